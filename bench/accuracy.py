@@ -11,8 +11,8 @@ from pathlib import Path
 
 import rwmf
 from rwmf._cost import METHODS, PAPER, PRACTICES, Cost, Row, cheapest
-from rwmf.plotting import cost_figure as plot_cost
 from rwmf.plotting import image_files as figures
+from rwmf.plotting import result_figures as plot_cost
 from rwmf.plotting.style import legend_below, new_figure
 
 ROOT = Path(__file__).resolve().parent.parent

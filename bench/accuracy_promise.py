@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import rwmf
 from rwmf import records
-from rwmf._sweep.kept_quantities import find_quantities
+from rwmf._sweep.intensity import find_quantities
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "support"))

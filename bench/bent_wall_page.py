@@ -51,18 +51,7 @@ TEXT = Path(__file__).parent / "bent_wall_text.md"
 
 
 def page(peaks: dict[str, Peaks]) -> str:
-    """Write the page.
-
-    Parameters
-    ----------
-    peaks : dict
-        Stored peaks of OpenSees by variant and name.
-
-    Returns
-    -------
-    str
-        Text in Markdown.
-    """
+    """Write the page."""
     with ProcessPoolExecutor() as pool:
         return _page(peaks, pool)
 

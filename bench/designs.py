@@ -53,20 +53,7 @@ class Request:
 
 
 def motions(n: int, peak: float) -> list[rwmf.Motion]:
-    """Make artificial ground motions: noise behind a ground filter of 2 Hz, in an envelope.
-
-    Parameters
-    ----------
-    n : int
-        Number of motions.
-    peak : float
-        Their largest acceleration [m/s2].
-
-    Returns
-    -------
-    list of Motion
-        The motions.
-    """
+    """Make artificial ground motions: noise behind a ground filter of 2 Hz, in an envelope."""
     random = np.random.default_rng(1940)
     t, f = DT * np.arange(SAMPLES), np.fft.rfftfreq(SAMPLES, DT)
     ratio, damping = f / 2.0, 0.6
@@ -80,13 +67,7 @@ def motions(n: int, peak: float) -> list[rwmf.Motion]:
 
 
 def requests() -> list[Request]:
-    """State the three designs.
-
-    Returns
-    -------
-    list of Request
-        A wall and a frame, a wall with fuses and a damper, six storeys with strands and fuses.
-    """
+    """State the three designs."""
     plain = rwmf.Case.from_namelist(ROOT / "inputs" / "study_elcentro.nml")
     plain = plain.replace(frame={"T_s": 1.2})
     fused = plain.replace(

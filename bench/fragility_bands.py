@@ -22,18 +22,7 @@ SEED = 1
 
 
 def stripes(capacity: np.ndarray) -> dict[str, list[object]]:
-    """Make the table of stripes of records with given capacities.
-
-    Parameters
-    ----------
-    capacity : numpy.ndarray, shape (n,)
-        Intensities at collapse.
-
-    Returns
-    -------
-    dict of str to list
-        Columns of the table.
-    """
+    """Make the table of stripes of records with given capacities."""
     rows = [
         (str(i), level, "collapsed" if level > own else "ok")
         for i, own in enumerate(capacity)
@@ -45,18 +34,7 @@ def stripes(capacity: np.ndarray) -> dict[str, list[object]]:
 
 
 def bracketed(capacity: np.ndarray) -> dict[str, list[object]]:
-    """Make the table of an incremental dynamic analysis, with capacities within 2 %.
-
-    Parameters
-    ----------
-    capacity : numpy.ndarray, shape (n,)
-        Intensities at collapse.
-
-    Returns
-    -------
-    dict of str to list
-        Columns of the table.
-    """
+    """Make the table of an incremental dynamic analysis, with capacities within 2 %."""
     rows = [
         (str(i), own * factor, status)
         for i, own in enumerate(capacity)
@@ -68,22 +46,7 @@ def bracketed(capacity: np.ndarray) -> dict[str, list[object]]:
 
 
 def holds(found: xr.Dataset, name: str, truth: float) -> bool:
-    """Check whether a band contains the true value.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        From `rwmf.fragility`.
-    name : str
-        ``median`` or ``dispersion``.
-    truth : float
-        Value of the law.
-
-    Returns
-    -------
-    bool
-        True when it does.
-    """
+    """Check whether a band contains the true value."""
     low, high = found[f"{name}_band"].values
     return bool(low <= truth <= high)
 

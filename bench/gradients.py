@@ -30,8 +30,7 @@ import numpy.typing as npt
 import rwmf
 from rwmf import records
 from rwmf._gradient.held_keys import allowed_changes, find_parameters, scale_of
-from rwmf._gradient.lanes import Lanes, Request
-from rwmf._gradient.scenes import Scenes
+from rwmf._gradient.lanes import Lanes, Request, Scenes
 from rwmf._library.measure import solve_reference
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
@@ -132,22 +131,7 @@ class Survey:
 
 
 def scene(number: int, folder: Path) -> tuple[str, rwmf.Case]:
-    """Make the case of a number; five sources take turns.
-
-    Parameters
-    ----------
-    number : int
-        Of the scene.
-    folder : Path
-        Folder for records.
-
-    Returns
-    -------
-    str
-        Name of the source.
-    rwmf.Case
-        The case.
-    """
+    """Make the case of a number; five sources take turns."""
     kind, i = number % 5, number // 5
     if kind == 0:
         return "wall and frame", next(random_cases(1, 400 + i, folder))
@@ -165,18 +149,7 @@ def scene(number: int, folder: Path) -> tuple[str, rwmf.Case]:
 
 
 def survey(number: int) -> Survey:
-    """Compare derivatives of a scene with their truth.
-
-    Parameters
-    ----------
-    number : int
-        Of the scene.
-
-    Returns
-    -------
-    Survey
-        The derivatives.
-    """
+    """Compare derivatives of a scene with their truth."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for record in ("elcentro", "pacoima"):
@@ -286,20 +259,7 @@ def _truth(
 
 
 def quad_difference(number: int, parameter: str) -> list[tuple[str, float, float]]:
-    """Compare derivatives of a wall and frame with differences in quadruple precision.
-
-    Parameters
-    ----------
-    number : int
-        Of the scene; its source is walls and frames.
-    parameter : str
-        The parameter.
-
-    Returns
-    -------
-    list of (str, float, float)
-        Label, distance and stated error, over the larger of value and p dq/dp.
-    """
+    """Compare derivatives of a wall and frame with differences in quadruple precision."""
     keys = {"u_s_max": "u_s_max_m", "theta_dot_max": "theta_dot_max_rad_s"}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -345,18 +305,7 @@ def _quad_table(count: int, first: int, pool: ProcessPoolExecutor) -> None:
 
 
 def kink(number: int) -> tuple[str, bool, bool] | None:
-    """Find a period at which the largest peak changes, and differentiate there and beside it.
-
-    Parameters
-    ----------
-    number : int
-        Of the scene; its source is walls and frames.
-
-    Returns
-    -------
-    (str, bool, bool) or None
-        Label, whether the kink is flagged, and whether its neighbours are; None without a kink.
-    """
+    """Find a period at which the largest peak changes, and differentiate there and beside it."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for record in ("elcentro", "pacoima"):

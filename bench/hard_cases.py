@@ -123,25 +123,13 @@ def _values(
 
 
 def read_rows() -> list[dict[str, str]]:
-    """Read the rows of the repository.
-
-    Returns
-    -------
-    list of dict
-        Texts by column.
-    """
+    """Read the rows of the repository."""
     with TARGET.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
 def make_page() -> str:
-    """Make the page that summarises the rows.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """Make the page that summarises the rows."""
     rows = read_rows()
     families = {
         family: [r for r in rows if r["family"] == family] for family in collection.FAMILIES

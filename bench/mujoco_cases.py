@@ -76,22 +76,7 @@ def main() -> None:
 
 
 def simulate(case: rwmf.Case, engine: Engine) -> tuple[dict[str, object], Array]:
-    """Compute one case.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case; its formulation and its restitution are not used.
-    engine : Engine
-        Numbers of the computation.
-
-    Returns
-    -------
-    facts : dict
-        Version, parameters, time step, largest slip of the base [m].
-    history : numpy.ndarray, shape (n, 6)
-        Columns `COLUMNS`, every `stored_interval`.
-    """
+    """Compute one case."""
     model = mujoco.MjModel.from_xml_string(scene(case, engine))
     data = mujoco.MjData(model)
     start(case, model, data)
@@ -116,20 +101,7 @@ def simulate(case: rwmf.Case, engine: Engine) -> tuple[dict[str, object], Array]
 
 
 def scene(case: rwmf.Case, engine: Engine) -> str:
-    """Describe wall, frame, link and cable in the engine's own language.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case.
-    engine : Engine
-        Numbers of the computation.
-
-    Returns
-    -------
-    str
-        XML of the model.
-    """
+    """Describe wall, frame, link and cable in the engine's own language."""
     h, b = case.wall.h, case.wall.b
     frame, link = _frame(case, engine) if case.frame is not None else ("", "")
     top = f'<site name="top" pos="0 0 {h!r}"/>' if case.cable is not None else ""

@@ -46,19 +46,7 @@ def main() -> None:
 
 
 def compare(case: rwmf.Case) -> list[float]:
-    """Compute a case with both programs.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case.
-
-    Returns
-    -------
-    list of float
-        Number of windows; root mean square of N and of its difference; the same of H; largest
-        demand of friction of the model and of the engine, all in the windows.
-    """
+    """Compute a case with both programs."""
     run = rwmf.simulate(case.replace(output={"dt": HISTORY_DT, "reactions": True}))
     own = np.stack([run["pivot_normal_over_m_w_g"], run["pivot_horizontal_over_m_w_g"]], axis=1)
     own = windows(own[:-1], round(WINDOW / HISTORY_DT))
@@ -79,20 +67,7 @@ def compare(case: rwmf.Case) -> list[float]:
 
 
 def contact_forces(case: rwmf.Case, engine: mujoco_cases.Engine) -> Array:
-    """Vertical and horizontal force of the ground on the wall over m_w g, one row a time step.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case.
-    engine : Engine
-        Numbers of the computation.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n, 2)
-        From t = 0 on.
-    """
+    """Vertical and horizontal force of the ground on the wall over m_w g, one row a time step."""
     model = mujoco.MjModel.from_xml_string(mujoco_cases.scene(case, engine))
     data = mujoco.MjData(model)
     mujoco_cases.start(case, model, data)
@@ -113,37 +88,13 @@ def contact_forces(case: rwmf.Case, engine: mujoco_cases.Engine) -> Array:
 
 
 def windows(rows: Array, n: int) -> Array:
-    """Return means over windows of n rows.
-
-    Parameters
-    ----------
-    rows : numpy.ndarray, shape (m, 2)
-        Forces.
-    n : int
-        Rows a window.
-
-    Returns
-    -------
-    numpy.ndarray, shape (m // n, 2)
-        Means.
-    """
+    """Return means over windows of n rows."""
     m = len(rows) // n
     return rows[: m * n].reshape(m, n, -1).mean(axis=1)
 
 
 def rms(rows: Array) -> Array:
-    """Return the root mean square of each column.
-
-    Parameters
-    ----------
-    rows : numpy.ndarray, shape (m, 2)
-        Forces.
-
-    Returns
-    -------
-    numpy.ndarray, shape (2,)
-        Root mean squares.
-    """
+    """Return the root mean square of each column."""
     return np.sqrt(np.mean(rows**2, axis=0))
 
 

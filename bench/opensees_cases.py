@@ -146,22 +146,7 @@ def store_frame(name: str, folder: Path) -> None:
 
 
 def compute_wall(case: rwmf.Case, engine: Engine) -> tuple[dict[str, Any], Array]:
-    """Compute a wall with or without frame and cable.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case; its formulation and its restitution are not used.
-    engine : Engine
-        Numbers of the computation.
-
-    Returns
-    -------
-    facts : dict
-        Version, parameters, largest slip of the base [m].
-    history : numpy.ndarray, shape (n, 6)
-        ``COLUMNS`` of `reproduce.engines`.
-    """
+    """Compute a wall with or without frame and cable."""
     found = ask("wall.py", wall_scene(case), asdict(engine))
     rows = np.array(found["rows"])
     standing = rows[np.abs(rows[:, 1]) > 1e-4, 6]
@@ -171,24 +156,7 @@ def compute_wall(case: rwmf.Case, engine: Engine) -> tuple[dict[str, Any], Array
 
 
 def compute_frame(case: rwmf.Case, engine: FrameEngine) -> tuple[dict[str, Any], Array, Array]:
-    """Compute a frame of storeys.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case, without wall.
-    engine : FrameEngine
-        Numbers of the computation.
-
-    Returns
-    -------
-    facts : dict
-        Version and parameters.
-    rows : numpy.ndarray, shape (n, 2 m + 1)
-        Times [s], drifts of the m storeys [-] and absolute accelerations of the floors [g].
-    peaks : numpy.ndarray, shape (2 m,)
-        Largest values of all steps.
-    """
+    """Compute a frame of storeys."""
     found = ask("frame.py", frame_scene(case, engine), asdict(engine))
     facts = {"engine": found["engine"], **asdict(engine)}
     return facts, np.array(found["rows"]), np.array(found["peaks"])

@@ -154,19 +154,7 @@ class Outcome:
 
 
 def joined(*effects: Effect) -> Groups | None:
-    """Scene with some effects.
-
-    Parameters
-    ----------
-    *effects
-        Any number.
-
-    Returns
-    -------
-    dict or None
-        Groups with their keys; None when two effects want the same key, or the same group, in two
-        ways.
-    """
+    """Scene with some effects."""
     wanted: Groups = {}
     for effect in effects:
         for group, keys in effect.changes.items():
@@ -189,36 +177,12 @@ def joined(*effects: Effect) -> Groups | None:
 
 
 def prepare(folder: Path) -> None:
-    """Write the record that the effects name.
-
-    Parameters
-    ----------
-    folder
-        Folder of the cases.
-    """
+    """Write the record that the effects name."""
     (folder / "record.csv").write_text(SAMPLES, encoding="utf-8")
 
 
 def try_pair(first: Effect, second: Effect, folder: Path) -> Outcome:
-    """Read and run a pair.
-
-    Parameters
-    ----------
-    first, second
-        The effects.
-    folder
-        From `prepare`.
-
-    Returns
-    -------
-    Outcome
-        A run has finite results, and its energy ledger closes unless it is `published`.
-
-    Raises
-    ------
-    AssertionError
-        When a run delivers anything else.
-    """
+    """Read and run a pair."""
     groups = joined(first, second)
     if groups is None:
         return Outcome("alternatives")
@@ -252,18 +216,7 @@ def _reason(message: str) -> str:
 
 
 def refusals(outcomes: dict[tuple[str, str], Outcome]) -> list[tuple[str, str, str]]:
-    """Join the refused pairs that have the same reason.
-
-    Parameters
-    ----------
-    outcomes
-        Outcome of each pair, by the names of its effects.
-
-    Returns
-    -------
-    list of tuple
-        Effects, the effects that each of them is refused with, and the reason.
-    """
+    """Join the refused pairs that have the same reason."""
     partners: dict[tuple[str, str], list[str]] = {}
     for (first, second), outcome in outcomes.items():
         if outcome.kind == "refused":

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 import rwmf
-from peers import PEERS, draw, scaling
+from peers import PEERS, draw
 from peers.measure import Row, kernel, kernel_row, peer_row
-from peers.problem import BANDS, GAMMAS, Array, Peer, Record, bands, bare_frame, case, read_record
+from peers.problem import GAMMAS, Array, Peer, Record, bands, case, read_record
 from rwmf._library import measure as _measure
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -37,7 +37,7 @@ SLOW = (
 )
 BASE = "auto"
 TARGET = 1e-7
-LONG = 0.3
+TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 
 
 def _truth(record: Record, T_s: Array, quad: int) -> dict[float, Array]:
@@ -63,7 +63,7 @@ def _rocking(
     """Measure all programs that solve the wall; ours in turn with the slow ones."""
     slow = [
         *((lambda g, m=m, r=r: kernel_row(record, m, r, g, T_s, truth[g], 1)) for m, r in SLOW),
-        *((lambda g, p=p: peer_row(p, record, g, T_s, truth[g])) for p in peers if not p.linear),
+        *((lambda g, p=p: peer_row(p, record, g, T_s, truth[g])) for p in peers),
     ]
     found: dict[tuple[str, float, float], Row] = {}
     for i in range(max(rounds, len(slow))):
@@ -77,18 +77,6 @@ def _rocking(
                     found[key] = row
     order = [name for name, _ in (*OURS, *SLOW)] + [peer.name for peer in peers]
     return sorted(found.values(), key=lambda row: (row.gamma, order.index(row.program), -row.rtol))
-
-
-def _linear(record: Record, T_s: Array, peers: Sequence[Peer]) -> list[Row]:
-    """Measure all programs that solve the bare frame."""
-    truth, _ = kernel(bare_frame(record, *TRUTH), T_s, threads=0)
-    rows = []
-    for method, rtol in (OURS[0], ("dop853", TARGET)):
-        peaks, seconds = kernel(bare_frame(record, method, rtol), T_s, repeats=5)
-        name = f"rwmf, {method}"
-        errors = np.abs(peaks / truth - 1)
-        rows.append(Row(name, rtol, np.nan, T_s.size, seconds / T_s.size, errors))
-    return rows + [peer_row(peer, record, np.nan, T_s, truth) for peer in peers if peer.linear]
 
 
 def _table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
@@ -128,66 +116,6 @@ def _print_rocking(rows: Sequence[Row], n: int) -> None:
     _table(heads, lines)
 
 
-def _print_linear(rows: Sequence[Row], T_s: Array) -> None:
-    """Print the table of programs that solve the bare frame."""
-    print(f"Bare frame, {T_s.size} periods from {T_s[0]:g} to {T_s[-1]:g} s\n")
-    heads = ("program", "rtol", "us an ordinate", "largest error", "median error")
-    lines = [
-        (
-            row.program,
-            _rtol(row),
-            f"{1e6 * row.seconds:.3g}",
-            f"{row.error:.0e}",
-            f"{np.median(row.errors):.0e}",
-        )
-        for row in rows
-    ]
-    _table(heads, lines)
-
-
-def _print_against_recursion(record: Record, T_s: Array, linear: Sequence[Row]) -> None:
-    """Print the cost of the wall over the exact recursion of the bare frame."""
-    recursions = [row for row in linear if row.program.startswith("exact recursion")]
-    if not recursions:
-        return
-    heads = ("gamma", "us an ordinate", *(f"over {row.program}" for row in recursions))
-    lines = []
-    for gamma in GAMMAS:
-        _, seconds = kernel(case(record, *OURS[0]), T_s, gamma, repeats=9)
-        cost = seconds / T_s.size
-        ratios = (f"{cost / row.seconds:.3g}" for row in recursions)
-        lines.append((f"{gamma:g}", f"{1e6 * cost:.3g}", *ratios))
-    print(f"auto at {OURS[0][1]:.0e}, {T_s.size} periods from {T_s[0]:g} to {T_s[-1]:g} s\n")
-    _table(heads, lines)
-
-
-def _print_points(name: str, points: scaling.Points) -> None:
-    """Print one dependence."""
-    first = points[0][1]
-    lines = [(f"{x:g}", f"{1e6 * y:.3g}", f"{first / y:.3g}") for x, y in points]
-    _table((name, "us an ordinate", "first line over this"), lines)
-
-
-def _scaling(
-    record: Record, T_s: Array, truth: dict[float, Array], most: int, repeats: int
-) -> dict[str, list]:
-    """Measure and print the dependences of an ordinate's cost."""
-    found: dict[str, list] = {
-        "ordinates": scaling.ordinates(record, most, repeats),
-        "seconds of motion": scaling.lengths(record, T_s[T_s >= LONG], repeats),
-        "threads": scaling.threads(record, min(most, 2000), repeats),
-    }
-    for name, points in found.items():
-        _print_points(name, points)
-    found["tolerances"] = scaling.tolerances(record, T_s, truth, repeats)
-    _print_rocking(found["tolerances"], T_s.size)
-    heads = ("formulation, cable", "gamma", *(f"T_s {low:g}-{high:g}" for low, high in BANDS))
-    rows = scaling.formulations(record, min(192, T_s.size), repeats)
-    _table(heads, [(name, f"{gamma:g}", *(f"{1e6 * cost:.4g}" for cost in costs))
-                   for name, gamma, costs in rows])  # fmt: skip
-    return found
-
-
 def _choose(text: str) -> list[Peer]:
     """Return the requested peers that are installed, and list the others."""
     if text == "none":
@@ -223,7 +151,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     add("--peers", default="all", help="all, none, or parts of names: scipy,heyoka")
     add("--quad", type=int, default=1, help="periods a band for quadruple precision, 0 for none")
     add("--rounds", type=int, default=3, help="repetitions of fast measurements")
-    add("--most", type=int, default=100_000, help="ordinates in the largest spectrum")
     add("--record", type=Path, default=RECORD, help="two columns: time in s, acceleration in g")
     add("--plot", type=Path, default=ROOT / "plots" / "spectra.png", help="figure")
     options = parser.parse_args(arguments)
@@ -234,12 +161,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     truth = _truth(record, T_s, options.quad)
     rows = _rocking(record, T_s, truth, peers, options.rounds)
     _print_rocking(rows, T_s.size)
-    _print_linear(_linear(record, T_s, peers), T_s)
-    long = np.linspace(LONG, T_s[-1], T_s.size)
-    linear = _linear(record, long, peers)
-    _print_linear(linear, long)
-    _print_against_recursion(record, long, linear)
-    draw.spectra(rows, _scaling(record, T_s, truth, options.most, options.rounds), options.plot)
+    tolerances = [
+        kernel_row(record, "auto", rtol, gamma, T_s, truth[gamma], options.rounds)
+        for gamma in GAMMAS
+        for rtol in TOLERANCES
+    ]
+    _print_rocking(tolerances, T_s.size)
+    draw.spectra(rows, tolerances, options.plot)
     print(f"Figure: {options.plot}")
 
 

@@ -21,23 +21,7 @@ TENDON = {"eta_0": 1.0, "eta_alpha": 5.0}
 
 
 def respond(h: float, period: float, tendon: dict[str, float] | None) -> tuple[float, float]:
-    """Simulate one frame with its wall.
-
-    Parameters
-    ----------
-    h
-        Half height [m].
-    period
-        Of the frame [s].
-    tendon
-        Keys of `&cable`; None for no tendon.
-
-    Returns
-    -------
-    tuple of float
-        Largest displacement of the frame [m] and largest vertical reaction of the pivot over the
-        weight of the wall [-].
-    """
+    """Simulate one frame with its wall."""
     groups = {
         "wall": {"h": h, "b": h / 4},
         "frame": {"T_s": period, "gamma": 10.0, "xi_s": 0.05},

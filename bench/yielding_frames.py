@@ -54,18 +54,7 @@ Pairs = list[tuple[float, float]]
 
 
 def draw(number: int) -> tuple[Groups, Pairs, float]:
-    """Draw the scene of a number.
-
-    Parameters
-    ----------
-    number : int
-        Any.
-
-    Returns
-    -------
-    tuple
-        Groups of the case, samples of the record in s and m/s2, and rtol.
-    """
+    """Draw the scene of a number."""
     dice = random.Random(f"yielding frame {number}")
     n = dice.randint(2, 9)
     masses = [dice.uniform(0.3, 1.5) for _ in range(n)]
@@ -184,23 +173,7 @@ def _write(pairs: Pairs, path: Path, scale: float = 1.0) -> Path:
 def survey(
     number: int, folder: Path, reference: str = "kernel"
 ) -> list[tuple[int, str, str, float, float, float]]:
-    """Measure the errors of a scene.
-
-    Parameters
-    ----------
-    number : int
-        Of the scene.
-    folder : Path
-        Folder for its records.
-    reference : str
-        'kernel', or 'independent'.
-
-    Returns
-    -------
-    list of tuple
-        Number, method, quantity, rtol, error over rtol and sensitivity, and sensitivity; a scene
-        that fails has one row with the message as its quantity.
-    """
+    """Measure the errors of a scene."""
     groups, pairs, rtol = draw(number)
     is_independent = reference == "independent"
     if is_independent and not yielding_steps.is_covered(groups):

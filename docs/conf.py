@@ -32,6 +32,9 @@ autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 numpydoc_class_members_toctree = False
 numpydoc_show_class_members = False
+# public names only; attributes of data classes are their arguments
+numpydoc_validation_checks = {"all", "ES01", "EX01", "GL01", "GL02", "GL08", "PR04", "SA01", "SS03"}
+numpydoc_validation_exclude = {r"\.[A-Z]\w*$"}
 
 
 def setup(app: Sphinx) -> None:

@@ -61,18 +61,7 @@ class Pair:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Compute, write and plot the shipped spectra.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Words of the command line; otherwise those of the process.
-
-    Returns
-    -------
-    int
-        Exit status: 0, 1 numerical failure, 2 input, 130 interrupted.
-    """
+    """Compute, write and plot the shipped spectra."""
     options = _make_parser().parse_args(arguments)
     names = options.names or list(SHIPPED)
     try:
@@ -94,27 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def compute(name: str, inputs: Path, plots: Path) -> Pair:
-    """Compute one shipped spectrum in both forms; write ``NAME.csv`` and ``NAME_exact.csv``.
-
-    Parameters
-    ----------
-    name : str
-        Key of `SHIPPED`.
-    inputs : path
-        Folder of the namelists.
-    plots : path
-        Existing folder for the results.
-
-    Returns
-    -------
-    Pair
-        The spectra.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As `rwmf.spectrum` and the writers of files.
-    """
+    """Compute one shipped spectrum in both forms; write ``NAME.csv`` and ``NAME_exact.csv``."""
     case = Case.from_namelist(inputs / f"{name}.nml")
     print(f"{SHIPPED[name]}: {len(FORMULATIONS)} times {case.kernel.ordinates()} simulations")
     forms = []
@@ -130,20 +99,7 @@ def compute(name: str, inputs: Path, plots: Path) -> Pair:
 
 
 def draw(pairs: Sequence[Pair], stem: Path) -> None:
-    """Draw spectra over the same axes: a row for each, a column for each form.
-
-    Parameters
-    ----------
-    pairs : sequence of Pair
-        The spectra.
-    stem : path
-        File to write, without suffix; there is one for each of the formats.
-
-    Raises
-    ------
-    OutputError
-        When a file cannot be written.
-    """
+    """Draw spectra over the same axes: a row for each, a column for each form."""
     with new_figure(0.8 + 2.7 * len(pairs)) as figure:
         panels = figure.subplots(len(pairs), len(FORMULATIONS), sharey=True, squeeze=False)
         for row, pair in zip(panels, pairs, strict=True):
@@ -163,23 +119,7 @@ def draw(pairs: Sequence[Pair], stem: Path) -> None:
 
 
 def without_wall(case: Case) -> Case:
-    """Return the same frame without wall: a linear oscillator.
-
-    Parameters
-    ----------
-    case : Case
-        A case with wall and `&spectrum`.
-
-    Returns
-    -------
-    Case
-        The case of the frame alone.
-
-    Raises
-    ------
-    InputError
-        When the case has no frame that could stand alone.
-    """
+    """Return the same frame without wall: a linear oscillator."""
     removed = dict.fromkeys(("wall", "cable", "impact", "initial"))
     return case.replace(frame={"gamma": None}, spectrum={"gamma": None, "b": None}, **removed)
 

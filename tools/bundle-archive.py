@@ -19,11 +19,6 @@ def main() -> None:
 
     The arguments are the output, the kernel's archive and the archives that it may take objects
     from.
-
-    Raises
-    ------
-    subprocess.CalledProcessError
-        If the linker, objcopy or ar fails.
     """
     output, kernel, *archives = sys.argv[1:]
     with tempfile.TemporaryDirectory() as folder:

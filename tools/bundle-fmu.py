@@ -19,17 +19,7 @@ FMI_ONLY = "{ global: fmi3*; local: *; };\n"
 
 
 def link(library: Path, parts: list[str], linker: list[str]) -> None:
-    """Link the functions of FMI with their part of the kernel and of the other archives.
-
-    Parameters
-    ----------
-    library : path
-        Shared library to write.
-    parts : list of str
-        Archive of the FMI functions, then the archives that they need.
-    linker : list of str
-        Command of the linker.
-    """
+    """Link the functions of FMI with their part of the kernel and of the other archives."""
     symbols = library.with_suffix(".map")
     symbols.write_text(FMI_ONLY, encoding="ascii")
     fmi, *archives = parts
@@ -44,43 +34,14 @@ def link(library: Path, parts: list[str], linker: list[str]) -> None:
 
 
 def static_library(name: str, linker: list[str]) -> str:
-    """Find a static library.
-
-    Parameters
-    ----------
-    name : str
-        Its name without ``lib``.
-    linker : list of str
-        Command of the linker.
-
-    Returns
-    -------
-    str
-        Its path; '' when there is none.
-    """
+    """Find a static library."""
     command = [*linker, f"-print-file-name=lib{name}.a"]
     found = subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
     return found if "/" in found else ""
 
 
 def runtime_libraries(library: Path) -> list[Path]:
-    """List the libraries that a shared library needs and that not every Linux has.
-
-    Parameters
-    ----------
-    library : path
-        The shared library.
-
-    Returns
-    -------
-    list of path
-        The libraries.
-
-    Raises
-    ------
-    SystemExit
-        When one is not found.
-    """
+    """List the libraries that a shared library needs and that not every Linux has."""
     command = ["ldd", str(library)]
     lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
     found = [line.split() for line in lines if not SYSTEM.match(Path(line.split()[0]).name)]

@@ -16,11 +16,6 @@ def main() -> None:
 
     The arguments are the path of the library and the include folder, relative to the prefix; meson
     gives the prefix (with DESTDIR) in the environment.
-
-    Raises
-    ------
-    SystemExit
-        If the library has no such file.
     """
     library, include = sys.argv[1:]
     module = Path(f"{library}.p") / "rwmf.mod"

@@ -36,15 +36,6 @@ def numbers(*values: float) -> str:
 class Deck:
     """Input file for one case.
 
-    Parameters
-    ----------
-    case : rwmf.Case
-        A case with wall, frame and cable.
-    settings : Settings
-        Numbers of the computation.
-    until : float
-        End of the computation [s].
-
     Attributes
     ----------
     wall : numpy.ndarray of int, shape (nx + 1, nz + 1, 2)

@@ -16,22 +16,7 @@ _HEAD = re.compile(r"\s*(displacements|velocities).*time\s+(\S+)")
 
 
 def read_history(path: Path, deck: Deck) -> Array:
-    """Read the rotation of the base, the uplifts of its corners and the displacements.
-
-    Parameters
-    ----------
-    path : path
-        Output of the solver.
-    deck : Deck
-        Input of the solver.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n, 7)
-        ``COLUMNS`` of `reproduce.engines` and the horizontal displacement of the lower corner [m].
-        Rows are at the interval of the settings, linear between the solver's time steps; there are
-        none when the solver printed none.
-    """
+    """Read the rotation of the base, the uplifts of its corners and the displacements."""
     rows: dict[float, dict[tuple[str, int], list[float]]] = {}
     kind, t = "", 0.0
     for line in path.read_text(encoding="utf-8").splitlines():

@@ -75,31 +75,7 @@ class SolverStoppedError(Exception):
 def compute(
     case: rwmf.Case, settings: Settings, until: float, limit: float | None = None
 ) -> tuple[dict[str, object], Array]:
-    """Run the solver in a separate folder.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        A case with wall, frame and cable.
-    settings : Settings
-        Numbers of the computation.
-    until : float
-        End of the computation [s].
-    limit : float, optional
-        Time that the solver may take [s].
-
-    Returns
-    -------
-    facts : dict
-        Version, settings, largest slip of the base [m].
-    history : numpy.ndarray, shape (n, 6)
-        ``COLUMNS`` of `reproduce.engines`.
-
-    Raises
-    ------
-    SolverStoppedError
-        When the solver stopped, or was stopped at the limit, before the end.
-    """
+    """Run the solver in a separate folder."""
     deck = Deck(case, settings, until)
     add_support(deck)
     with tempfile.TemporaryDirectory() as place:

@@ -6,23 +6,9 @@ A peer is optional: its package is imported when it is used. `problem.py` states
 
 from __future__ import annotations
 
-from peers import (
-    heyoka_taylor,
-    numba_rk,
-    recursion,
-    scipy_ivp,
-    sdof_newmark,
-    sundae_cvode,
-)
+from peers import heyoka_taylor, numba_rk, scipy_ivp
 from peers.problem import Peer
 
 __all__ = ["PEERS"]
 
-PEERS: tuple[Peer, ...] = (
-    *heyoka_taylor.PEERS,
-    *numba_rk.PEERS,
-    *scipy_ivp.PEERS,
-    *sundae_cvode.PEERS,
-    *sdof_newmark.PEERS,
-    *recursion.PEERS,
-)
+PEERS: tuple[Peer, ...] = (*heyoka_taylor.PEERS, *numba_rk.PEERS, *scipy_ivp.PEERS)

@@ -1,16 +1,14 @@
-"""Figures of the comparison: error against cost, and dependences of the cost."""
+"""Figure of the comparison: error against cost."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-from matplotlib.ticker import NullLocator
 from rwmf._cost import METHODS
 from rwmf.plotting import image_files as figures
-from rwmf.plotting.style import COLOURS, MARKERS, label_plainly, legend_below, new_figure
+from rwmf.plotting.style import COLOURS, MARKERS, legend_below, new_figure
 
 from peers.measure import Row
 from peers.problem import GAMMAS
@@ -22,36 +20,13 @@ if TYPE_CHECKING:
 FLOOR = 1e-13
 
 
-def spectra(rows: Sequence[Row], dependence: dict[str, Any], path: Path) -> None:
-    """Draw everything into a file.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        All programs.
-    dependence : dict
-        'tolerances' (rows of `auto`), and lists of points of 'ordinates', 'seconds of motion' and
-        'threads'.
-    path : Path
-        File to write.
-    """
-    with new_figure(8.4) as figure:
-        grid = figure.add_gridspec(3, 3, height_ratios=(1.3, 1.3, 1.0))
-        precision = [figure.add_subplot(grid[i, :]) for i in range(len(GAMMAS))]
-        for ax, gamma in zip(precision, GAMMAS, strict=True):
-            _work_precision(ax, rows, dependence["tolerances"], gamma)
-        for i, name in enumerate(("ordinates", "seconds of motion", "threads")):
-            axes = figure.add_subplot(grid[2, i])
-            x, y = np.array(dependence[name]).T
-            axes.loglog(x, 1e6 * y, "o-", color=COLOURS[0])
-            axes.set_xlabel("seconds of motion (s)" if "seconds" in name else name)
-            axes.set_ylabel("" if i else "µs an ordinate")
-            axes.set_ylim(bottom=0.5e6 * y.min(), top=2e6 * y.max())
-            if name == "threads":
-                axes.set_xticks(x, [f"{count:g}" for count in x])
-                axes.xaxis.set_minor_locator(NullLocator())
-            label_plainly(axes.yaxis)
-        legend_below(figure, precision[0], columns=3)
+def spectra(rows: Sequence[Row], tolerances: Sequence[Row], path: Path) -> None:
+    """Draw everything into a file."""
+    with new_figure(6.4) as figure:
+        panels = figure.subplots(len(GAMMAS), 1)
+        for ax, gamma in zip(panels, GAMMAS, strict=True):
+            _work_precision(ax, rows, tolerances, gamma)
+        legend_below(figure, panels[0], columns=3)
         figures.save(figure, path)
 
 

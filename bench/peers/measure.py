@@ -32,7 +32,7 @@ class Row:
     rtol: float
     """[-]; nan where there is none."""
     gamma: float
-    """[-]; nan for the bare frame."""
+    """[-]."""
     ordinates: int
     """Solved, of all periods."""
     seconds: float
@@ -92,26 +92,7 @@ def kernel(
     threads: int = 1,
     repeats: int = 1,
 ) -> tuple[Array, float]:
-    """Let the kernel compute a spectrum.
-
-    Parameters
-    ----------
-    scene : rwmf.Case
-        The case.
-    T_s : Array, optional
-        Periods [s]; none for those of the case.
-    gamma : float, optional
-        Mass ratio [-]; none for the bare frame.
-    threads : int
-        Threads; 0 for all.
-    repeats : int
-        Runs, of which the fastest counts.
-
-    Returns
-    -------
-    tuple of Array and float
-        Peaks [m] and time of the spectrum [s]. With several threads it is wall-clock time.
-    """
+    """Let the kernel compute a spectrum."""
     best = math.inf
     for _ in range(repeats):
         with _worker_cpu() as spent:
@@ -123,26 +104,7 @@ def kernel(
 def kernel_row(
     record: Record, method: str, rtol: float, gamma: float, T_s: Array, truth: Array, repeats: int
 ) -> Row:
-    """Measure a method of the kernel on all periods.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    method, rtol
-        `&solver` [-].
-    gamma : float
-        Mass ratio [-].
-    T_s, truth : Array
-        Periods [s] and their peaks [m].
-    repeats : int
-        Runs, of which the fastest counts.
-
-    Returns
-    -------
-    Row
-        The results.
-    """
+    """Measure a method of the kernel on all periods."""
     peaks, seconds = kernel(case(record, method, rtol), T_s, gamma, repeats=repeats)
     return Row(method, rtol, gamma, T_s.size, seconds / T_s.size, np.abs(peaks / truth - 1))
 
@@ -152,22 +114,6 @@ def peer_row(peer: Peer, record: Record, gamma: float, T_s: Array, truth: Array)
 
     A sample takes `per_band` periods at the middle of equal parts of each band. The mean cost of
     each band is weighted by the number of its periods.
-
-    Parameters
-    ----------
-    peer : Peer
-        The program.
-    record : Record
-        The motion.
-    gamma : float
-        Mass ratio [-].
-    T_s, truth : Array
-        Periods [s] and their peaks [m].
-
-    Returns
-    -------
-    Row
-        The results.
     """
     solve = peer.make(record, gamma, peer.rtol)
     seconds, errors = 0.0, []

@@ -57,8 +57,6 @@ class Peer:
     """Name under which that is installed, if it is another one."""
     per_band: int = 0
     """Periods of each band that it is measured on, 0 for all: a slow one."""
-    linear: bool = False
-    """Solves the bare frame, not the wall."""
 
     @property
     def is_installed(self) -> bool:
@@ -67,42 +65,14 @@ class Peer:
 
 
 def read_record(path: Path) -> Record:
-    """Read a two-column record in g with equal intervals.
-
-    Parameters
-    ----------
-    path : Path
-        The file; lines that do not begin with a digit are skipped.
-
-    Returns
-    -------
-    Record
-        The record.
-    """
+    """Read a two-column record in g with equal intervals."""
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line[:1].isdigit()]
     samples = np.array([[float(word) for word in line.split(",")] for line in lines])
     return Record(path, samples[:, 0], G * samples[:, 1])
 
 
 def case(record: Record, method: str, rtol: float, **groups: object) -> rwmf.Case:
-    """State the problem to the kernel.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    method : str
-        `&solver method`.
-    rtol : float
-        `&solver rtol` [-].
-    **groups
-        Groups of the namelist to be replaced.
-
-    Returns
-    -------
-    rwmf.Case
-        The case; periods and mass ratio are given to `rwmf.spectrum`.
-    """
+    """State the problem to the kernel."""
     scene: dict[str, object] = {
         "wall": {"h": H, "b": B},
         "frame": {"gamma": GAMMAS[0], "xi_s": XI},
@@ -121,40 +91,8 @@ def case(record: Record, method: str, rtol: float, **groups: object) -> rwmf.Cas
     )
 
 
-def bare_frame(record: Record, method: str, rtol: float) -> rwmf.Case:
-    """State the frame without wall, whose equation is linear, to the kernel.
-
-    Parameters
-    ----------
-    record, method, rtol
-        As for `case`.
-
-    Returns
-    -------
-    rwmf.Case
-        The case.
-    """
-    return rwmf.Case(
-        frame={"xi_s": XI},
-        motion={"kind": "record", "file": str(record.path), "unit": "g"},
-        solver={"method": method, "rtol": rtol},
-        spectrum={"T_s": [1.0]},
-    )
-
-
 def bands(T_s: Array) -> list[npt.NDArray[np.int64]]:
-    """Sort periods into the bands.
-
-    Parameters
-    ----------
-    T_s : Array
-        Periods [s], ascending.
-
-    Returns
-    -------
-    list of Array
-        Indices of the periods of each band that has any.
-    """
+    """Sort periods into the bands."""
     edges = [band[0] for band in BANDS[1:]]
     number = np.searchsorted(edges, T_s, side="right")
     found = [np.flatnonzero(number == k) for k in range(len(BANDS))]

@@ -35,22 +35,7 @@ class Flight(Protocol):
 
 
 def solver(record: Record, gamma: float, make_flight: Callable[[Wall], Flight]) -> Solver:
-    """Make a solver of an integrator.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    gamma : float
-        Mass ratio [-].
-    make_flight : callable
-        Makes the integrator of an ordinate.
-
-    Returns
-    -------
-    Solver
-        Periods to peaks, one after the other.
-    """
+    """Make a solver of an integrator."""
 
     def solve(T_s: Array) -> Array:
         walls = [Wall(float(period), gamma) for period in T_s]
@@ -60,20 +45,7 @@ def solver(record: Record, gamma: float, make_flight: Callable[[Wall], Flight]) 
 
 
 def peak(flight: Flight, record: Record) -> float:
-    """Follow an ordinate from rest to the end of the record.
-
-    Parameters
-    ----------
-    flight : Flight
-        The integrator.
-    record : Record
-        The motion.
-
-    Returns
-    -------
-    float
-        Largest |u_s| [m].
-    """
+    """Follow an ordinate from rest to the end of the record."""
     wall, t, a = flight.wall, record.t.tolist(), record.a.tolist()
     largest, rests = 0.0, True
     for i in range(len(t) - 1):
@@ -96,20 +68,7 @@ def peak(flight: Flight, record: Record) -> float:
 
 
 def lift_off(wall: Wall, end: float) -> float:
-    """Find the instant at which the motion lifts a wall at rest [s], and the side.
-
-    Parameters
-    ----------
-    wall : Wall
-        With the interval in force; its side is set.
-    end : float
-        Ground acceleration at the end of the interval, above the threshold [m/s2].
-
-    Returns
-    -------
-    float
-        The instant, by the line between both samples [s].
-    """
+    """Find the instant at which the motion lifts a wall at rest [s], and the side."""
     wall.side = -math.copysign(1.0, end)
     late = (-wall.side * wall.threshold - wall.ground) / wall.slope if wall.slope else 0.0
     return wall.origin + max(late, 0.0)

@@ -16,27 +16,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rwmf import coupling, loops, plot, records, studies
+    from rwmf import coupling, hosts, loops, plot, records, studies
     from rwmf._base_section import base_section, ufp_force, ufp_stiffness
     from rwmf._checks.checks import Checks, LimitCheck, checks
     from rwmf._cost import Cost, cost
     from rwmf._design.design import Design, design
     from rwmf._explore import explore
     from rwmf._gradient.gradient import gradient
-    from rwmf._hosts import (
-        Element,
-        ElementEvent,
-        ElementResponse,
-        ElementSnapshot,
-        Wall,
-        WallEvent,
-        WallEvents,
-        WallForces,
-        WallMaxima,
-        Walls,
-        WallSnapshot,
-        WallState,
-    )
+    from rwmf._hosts import Element, Wall, Walls
     from rwmf._paper import paper_coefficients
     from rwmf._pushover import pushover
     from rwmf._response import Response
@@ -59,125 +46,48 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
-    "Case",
-    "Checks",
-    "Cost",
-    "Design",
-    "Element",
-    "ElementEvent",
-    "ElementResponse",
-    "ElementSnapshot",
-    "InputError",
-    "Interrupted",
-    "LimitCheck",
-    "Motion",
-    "NumericalError",
-    "OutputError",
-    "RecordFile",
-    "Response",
-    "RwmfError",
-    "RwmfWarning",
-    "Wall",
-    "WallEvent",
-    "WallEvents",
-    "WallForces",
-    "WallMaxima",
-    "WallSnapshot",
-    "WallState",
-    "Walls",
-    "__version__",
-    "base_section",
-    "checks",
-    "cloud",
-    "cost",
-    "coupling",
-    "design",
-    "explore",
-    "find_records",
-    "fragility",
-    "gradient",
-    "ida",
-    "intensity",
-    "loops",
-    "merge",
-    "paper_coefficients",
-    "plot",
-    "pushover",
-    "quantile",
-    "records",
-    "risk",
-    "simulate",
-    "spectrum",
-    "stripes",
-    "studies",
-    "sweep",
-    "ufp_force",
+    "Case", "Checks", "Cost", "Design", "Element", "InputError", "Interrupted", "LimitCheck",
+    "Motion", "NumericalError", "OutputError", "RecordFile", "Response", "RwmfError",
+    "RwmfWarning", "Wall", "Walls", "__version__", "base_section", "checks", "cloud", "cost",
+    "coupling", "design", "explore", "find_records", "fragility", "gradient", "hosts", "ida",
+    "intensity", "loops", "merge", "paper_coefficients", "plot", "pushover", "quantile",
+    "records", "risk", "simulate", "spectrum", "stripes", "studies", "sweep", "ufp_force",
     "ufp_stiffness",
-]
-
-# module of each public name; an empty one where the name is a module itself
+]  # fmt: skip
+# public names of each module
 _HOMES = {
-    "Case": "case",
-    "Checks": "_checks.checks",
-    "Cost": "_cost",
-    "Design": "_design.design",
-    "Element": "_hosts",
-    "ElementEvent": "_hosts",
-    "ElementResponse": "_hosts",
-    "ElementSnapshot": "_hosts",
-    "InputError": "errors",
-    "Interrupted": "errors",
-    "LimitCheck": "_checks.checks",
-    "Motion": "case",
-    "NumericalError": "errors",
-    "OutputError": "errors",
-    "RecordFile": "_sweep",
-    "Response": "_response",
-    "RwmfError": "errors",
-    "RwmfWarning": "errors",
-    "base_section": "_base_section",
-    "checks": "_checks.checks",
-    "Wall": "_hosts",
-    "WallEvent": "_hosts",
-    "WallEvents": "_hosts",
-    "WallForces": "_hosts",
-    "WallMaxima": "_hosts",
-    "WallSnapshot": "_hosts",
-    "WallState": "_hosts",
-    "Walls": "_hosts",
-    "cloud": "_risk",
-    "cost": "_cost",
-    "design": "_design.design",
-    "explore": "_explore",
-    "find_records": "_sweep",
-    "fragility": "_risk",
-    "gradient": "_gradient.gradient",
-    "ida": "_risk",
-    "intensity": "_sweep.intensity",
-    "merge": "_sweep",
-    "paper_coefficients": "_paper",
-    "pushover": "_pushover",
-    "quantile": "studies.statistics",
-    "risk": "_risk",
-    "simulate": "_simulation",
-    "spectrum": "_spectrum",
-    "stripes": "_risk",
-    "sweep": "_sweep",
-    "ufp_force": "_base_section",
-    "ufp_stiffness": "_base_section",
+    "_base_section": "base_section ufp_force ufp_stiffness",
+    "_checks.checks": "Checks LimitCheck checks",
+    "_cost": "Cost cost",
+    "_design.design": "Design design",
+    "_explore": "explore",
+    "_gradient.gradient": "gradient",
+    "_hosts": "Element Wall Walls",
+    "_paper": "paper_coefficients",
+    "_pushover": "pushover",
+    "_response": "Response",
+    "_risk": "cloud fragility ida risk stripes",
+    "_simulation": "simulate",
+    "_spectrum": "spectrum",
+    "_sweep": "RecordFile find_records merge sweep",
+    "_sweep.intensity": "intensity",
+    "case": "Case Motion",
+    "errors": "InputError Interrupted NumericalError OutputError RwmfError RwmfWarning",
+    "studies.statistics": "quantile",
 }
 
 
 def __getattr__(name: str) -> object:
     """Import a public name at its first use."""
+    homes = [module for module, names in _HOMES.items() if name in names.split()]
     if name == "__version__":
         found: object = import_module("rwmf._library").version()
-    elif name in _HOMES:
-        found = getattr(import_module(f"rwmf.{_HOMES[name]}"), name)
+    elif homes:
+        found = getattr(import_module(f"rwmf.{homes[0]}"), name)
     elif name in __all__:
         found = import_module(f"rwmf.{name}")
     else:
-        raise AttributeError(f"module 'rwmf' has no attribute {name!r}")
+        raise AttributeError(import_module("rwmf._renamed").moved(name))
     globals()[name] = found
     return found
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import inspect
 import os
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
@@ -21,15 +20,6 @@ from rwmf.errors import InputError, call_depth, warn
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "array_of",
-    "case_of",
-    "checked",
-    "dataset_of",
-    "function_of",
-    "path_of",
-    "texts_of",
-]
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -38,50 +28,14 @@ Check = Callable[[str, Any], Any]
 
 
 def case_of(case: CaseLike) -> Case:
-    """Return a case; read it from its file when a path is given.
-
-    Parameters
-    ----------
-    case : Case or path
-        The case, or the path of its namelist.
-
-    Returns
-    -------
-    Case
-        The case.
-
-    Raises
-    ------
-    InputError
-        When `case` is neither a case nor a path, or when the file is not acceptable.
-    """
+    """Return a case; read it from its file when a path is given."""
     if isinstance(case, Case):
         return case
     return Case.from_namelist(path_of("case", case, "a Case or the path of a namelist"))
 
 
 def path_of(name: str, value: object, wanted: str = "the path of a file") -> str:
-    """Return the text of a path.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in messages.
-    value : str or path
-        The path.
-    wanted : str
-        Allowed values in messages.
-
-    Returns
-    -------
-    str
-        Its text.
-
-    Raises
-    ------
-    InputError
-        When it is no path, or when no file can have that name.
-    """
+    """Return the text of a path."""
     path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
     if not isinstance(path, str):
         raise InputError(f"{name} = {show(value)}: must be {wanted}")
@@ -92,25 +46,7 @@ def path_of(name: str, value: object, wanted: str = "the path of a file") -> str
 
 
 def texts_of(name: str, value: object) -> list[str]:
-    """Return a list of texts; one text is a list of one.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in messages.
-    value : str or iterable of str
-        The texts.
-
-    Returns
-    -------
-    list of str
-        The texts.
-
-    Raises
-    ------
-    InputError
-        When one is no text.
-    """
+    """Return a list of texts; one text is a list of one."""
     items = [value] if isinstance(value, str) else to_items(value)
     if items is None or not all(isinstance(item, str) for item in items):
         raise InputError(f"{name} = {show(value)}: must be a text or a list of texts")
@@ -118,27 +54,7 @@ def texts_of(name: str, value: object) -> list[str]:
 
 
 def dataset_of(value: object, origin: str, *names: str) -> xr.Dataset:
-    """Return a dataset after checking that it comes from a function of the package.
-
-    Parameters
-    ----------
-    value : xarray.Dataset
-        The dataset.
-    origin : str
-        Name of the function that makes such datasets, for messages.
-    *names : str
-        Variables and coordinates that the dataset must have.
-
-    Returns
-    -------
-    xarray.Dataset
-        `value`; a dataset over storeys or floors as a `Response`.
-
-    Raises
-    ------
-    InputError
-        When it is no dataset, or lacks one of the names.
-    """
+    """Return a dataset after checking that it comes from a function of the package."""
     import xarray as xr
 
     from rwmf._response import as_response
@@ -152,25 +68,7 @@ def dataset_of(value: object, origin: str, *names: str) -> xr.Dataset:
 
 
 def array_of(value: object, dim: str) -> xr.DataArray:
-    """Return a labelled array after checking that it has a dimension.
-
-    Parameters
-    ----------
-    value : xarray.DataArray
-        The array.
-    dim : str
-        The dimension.
-
-    Returns
-    -------
-    xarray.DataArray
-        `value`, unchanged.
-
-    Raises
-    ------
-    InputError
-        When it is no labelled array, or lacks the dimension.
-    """
+    """Return a labelled array after checking that it has a dimension."""
     import xarray as xr
 
     if not isinstance(value, xr.DataArray):
@@ -182,25 +80,7 @@ def array_of(value: object, dim: str) -> xr.DataArray:
 
 
 def function_of(name: str, value: _F) -> _F:
-    """Return a function that the caller gives.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in messages.
-    value : callable
-        The function.
-
-    Returns
-    -------
-    callable
-        `value`, unchanged.
-
-    Raises
-    ------
-    InputError
-        When it cannot be called.
-    """
+    """Return a function that the caller gives."""
     if not callable(value):
         raise InputError(f"{name} = {show(value)}: must be callable")
     return value
@@ -353,29 +233,15 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Convert or refuse the arguments of a public function before it runs.
 
     The warnings of its result are emitted, unless another public function has called it.
-
-    Parameters
-    ----------
-    function : callable
-        The function; an argument name has the same meaning in every function.
-
-    Returns
-    -------
-    callable
-        The function, which raises `InputError` for arguments of a wrong kind.
     """
     signature = inspect.signature(function)
     defaults = {name: item.default for name, item in signature.parameters.items()}
     further = {name for name, item in signature.parameters.items() if item.kind is item.VAR_KEYWORD}
 
-    takes_one = "quantities" in signature.parameters and "quantity" not in signature.parameters
-
     @functools.wraps(function)
     def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
-        if takes_one and "quantity" in kwargs:
-            text = f"{function.__name__}: quantity is now quantities; it goes with the next version"
-            warnings.warn(text, DeprecationWarning, stacklevel=2)
-            kwargs["quantities"] = kwargs.pop("quantity")
+        if "quantity" in kwargs and "quantity" not in signature.parameters:
+            raise TypeError(f"{function.__name__}: quantity is now quantities")
         bound = signature.bind(*args, **kwargs)
         for name, value in bound.arguments.items():
             if name in _CHECKS and value is not defaults[name]:

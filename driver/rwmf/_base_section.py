@@ -11,8 +11,6 @@ from rwmf._arguments import checked
 from rwmf._numbers import show, to_array, to_items, to_number
 from rwmf.errors import InputError
 
-__all__ = ["base_section", "ufp_force", "ufp_stiffness"]
-
 
 def base_section(
     N: npt.ArrayLike,

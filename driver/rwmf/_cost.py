@@ -16,11 +16,9 @@ from rwmf._arguments import case_of, checked
 from rwmf._library import measure as _measure
 from rwmf._library.measure import Measurement, Reference
 from rwmf._progress import Progress, Reports, reporting
-from rwmf._sweep.kept_quantities import find_quantities
+from rwmf._sweep.intensity import find_quantities
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError, NumericalError
-
-__all__ = ["METHODS", "PAPER", "PRACTICES", "TOLERANCES", "Cost", "Row", "cheapest", "cost"]
 
 METHODS = ("adams", "bdf", "taylor", "dop853")
 # the procedure of the paper, for its scenes only
@@ -109,13 +107,7 @@ class Row:
         return max(self.relative_error, *(error for error in others if not math.isnan(error)))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the values as the keys of ``rwmf cost --json``.
-
-        Returns
-        -------
-        dict
-            Values by the keys of `rwmf cost --json`.
-        """
+        """Return the values as the keys of ``rwmf cost --json``."""
         return dataclasses.asdict(self)
 
 
@@ -162,7 +154,13 @@ class Cost:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the values as the keys of ``rwmf cost --json``."""
+        """Return the values as the keys of ``rwmf cost --json``.
+
+        Returns
+        -------
+        dict
+            Values by key; rows as dictionaries.
+        """
         return {
             "reference": self.reference,
             "rows": [row.to_dict() for row in self.rows],
@@ -426,20 +424,7 @@ def _clear_impacts(times: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
 
 
 def cheapest(rows: list[Row], target: float) -> Row | None:
-    """Find the cheapest row whose errors, with those of all tighter tolerances, meet the target.
-
-    Parameters
-    ----------
-    rows : list of Row
-        Methods and tolerances.
-    target : float
-        Relative error of peak, rotation and final state [-]; also the error of impact times in s.
-
-    Returns
-    -------
-    Row or None
-        The row, or None.
-    """
+    """Find the cheapest row whose errors, with those of all tighter tolerances, meet the target."""
     good: list[Row] = []
     for method in METHODS:
         mine = sorted((row for row in rows if row.method == method), key=lambda row: row.rtol)

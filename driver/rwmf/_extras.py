@@ -6,8 +6,6 @@ import importlib.metadata
 import shlex
 import sys
 
-__all__ = ["PACKAGES", "how_to_install"]
-
 # optional dependencies, with the names of pyproject.toml
 PACKAGES = {
     "plot": ("matplotlib>=3.8",),
@@ -21,19 +19,7 @@ PACKAGES = {
 
 
 def how_to_install(purpose: str) -> str:
-    """Return the command that installs the packages for a purpose.
-
-    Parameters
-    ----------
-    purpose : str
-        Name of the optional dependencies.
-
-    Returns
-    -------
-    str
-        Command for the running Python. In a checkout, where pip has no package rwmf, it lists the
-        packages themselves.
-    """
+    """Return the command that installs the packages for a purpose."""
     try:
         importlib.metadata.distribution("rwmf")
     except importlib.metadata.PackageNotFoundError:

@@ -10,17 +10,6 @@ from rwmf.case import Case
 from rwmf.case.elements import total
 from rwmf.quantities import SENSITIVITY, Quantity, find_numbered
 
-__all__ = [
-    "Row",
-    "grouped",
-    "headline",
-    "headline_rows",
-    "is_complete",
-    "rows_by_title",
-    "tendon_yield_of",
-    "value_text",
-]
-
 _ASK = "not in the result (&output reactions = .false.)"
 _PARTS = {"frame": "u_s_max_m", "wall": "theta_max_over_alpha"}
 _SCALAR_OF_EFFECT = {
@@ -33,39 +22,12 @@ _WIDTH = 100
 
 
 def headline(summary: Mapping[str, Any], tendon_yield: float | None) -> list[str]:
-    """Summarize a run in six lines.
-
-    Parameters
-    ----------
-    summary : mapping
-        Named scalars of the run: the keys of ``rwmf run --json``.
-    tendon_yield : float, optional
-        Force at which the tendon yields over the weight of the wall [-].
-
-    Returns
-    -------
-    list of str
-        Roof displacement, interstorey drift, floor acceleration, tendon force, residual drift,
-        impacts and events.
-    """
+    """Summarize a run in six lines."""
     return [f"{name:26s}{text}" for name, text in headline_rows(summary, tendon_yield).items()]
 
 
 def headline_rows(summary: Mapping[str, Any], tendon_yield: float | None) -> dict[str, str]:
-    """Return the lines of `headline` as name and text.
-
-    Parameters
-    ----------
-    summary : mapping
-        Named scalars of the run.
-    tendon_yield : float, optional
-        As for `headline` [-].
-
-    Returns
-    -------
-    dict
-        Text of each line by its name.
-    """
+    """Return the lines of `headline` as name and text."""
     return {
         "roof displacement": _displacement(summary),
         "interstorey drift (IDR)": _drift(summary),
@@ -77,36 +39,14 @@ def headline_rows(summary: Mapping[str, Any], tendon_yield: float | None) -> dic
 
 
 def tendon_yield_of(case: Case) -> float | None:
-    """Return the force at which all tendons of a case yield.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    float or None
-        Force over the weight of the wall [-]; None for an elastic tendon, or without one.
-    """
+    """Return the force at which all tendons of a case yield."""
     if case.cable is None or "eta_y" not in case.cable:
         return None
     return total(case.cable, case.cable.eta_y)
 
 
 def is_complete(summary: Mapping[str, Any]) -> bool:
-    """Check whether scalars are those of a whole run, not of a selection or a static curve.
-
-    Parameters
-    ----------
-    summary : mapping
-        Named scalars.
-
-    Returns
-    -------
-    bool
-        True when every effect of the run has its scalar.
-    """
+    """Check whether scalars are those of a whole run, not of a selection or a static curve."""
     effects = summary.get("effects") or ()
     scalars = [key for effect, key in _SCALAR_OF_EFFECT.items() if effect in effects]
     return bool(scalars) and all(key in summary for key in scalars)
@@ -216,23 +156,7 @@ def grouped(
     has_names: bool = False,
     digits: Mapping[str, int] | None = None,
 ) -> list[str]:
-    """List the scalars of a run by the group that they belong to.
-
-    Parameters
-    ----------
-    summary : mapping
-        Named scalars of the run.
-    has_names : bool
-        Show names and units of a dataset instead of keys.
-    digits : mapping, optional
-        Digits that hold, by key; a value shows at most 6, one of storeys at most 4.
-
-    Returns
-    -------
-    list of str
-        A title for each group, then its scalars. The values of all storeys or floors are on one
-        line, from the ground up. Ratios are absent where the run has the force in N.
-    """
+    """List the scalars of a run by the group that they belong to."""
     rows: dict[str, dict[str, list[str]]] = {}
     held = digits or {}
     numbers = _numbers(summary)
@@ -278,18 +202,7 @@ class Row(NamedTuple):
 
 
 def rows_by_title(summary: Mapping[str, Any]) -> dict[str, list[Row]]:
-    """Sort the scalars of a run into the groups of `grouped`.
-
-    Parameters
-    ----------
-    summary : mapping
-        Named scalars of the run.
-
-    Returns
-    -------
-    dict
-        Rows by title, without sensitivities and without ratios whose force in N is known.
-    """
+    """Sort the scalars of a run into the groups of `grouped`."""
     found = {key: find_numbered(key) for key in summary if not key.startswith(SENSITIVITY)}
     names = {item.name for item, _ in found.values()}
     times = {item.name[2:]: key for key, (item, _) in found.items() if item.found == "time"}
@@ -329,22 +242,7 @@ def _title(item: Quantity) -> str:
 
 
 def value_text(key: str, value: object, digits: int = 10) -> str:
-    """Return the text of a scalar.
-
-    Parameters
-    ----------
-    key : str
-        Its key.
-    value : object
-        The value.
-    digits : int
-        Significant digits of a number.
-
-    Returns
-    -------
-    str
-        Its text; for the list of warnings, which are printed elsewhere, their number.
-    """
+    """Return the text of a scalar."""
     if key == "warnings":
         return str(len(value if isinstance(value, list) else str(value).splitlines()))
     if isinstance(value, list):

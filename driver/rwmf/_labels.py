@@ -9,8 +9,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-__all__ = ["Labelled", "dataset"]
-
 _Made = TypeVar("_Made", bound=xr.Dataset)
 # dimensions, values and attributes of a variable, as xarray takes them
 Labelled = tuple[tuple[str, ...], Any, Mapping[str, Any]]
@@ -26,22 +24,6 @@ def dataset(
 
     The result equals ``xarray.Dataset(...)``. That constructor searches for indexes, copies and
     aligns, which takes ten times as long as a short run; none of it is needed here.
-
-    Parameters
-    ----------
-    variables : mapping of str to tuple
-        Dimensions, values and attributes of each variable.
-    coordinates : mapping of str to tuple
-        Likewise; a coordinate with the name of its only dimension becomes an index.
-    attributes : mapping of str to object
-        Attributes of the dataset.
-    kind : type
-        Class of the dataset.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
     """
     make = _quick_way(kind)
     if make is None:

@@ -18,18 +18,6 @@ import numpy.typing as npt
 from rwmf._files.names import shorten
 from rwmf.errors import InputError
 
-__all__ = [
-    "first_masked",
-    "float_of",
-    "is_whole",
-    "show",
-    "to_array",
-    "to_items",
-    "to_number",
-    "to_shaped",
-    "to_whole",
-]
-
 Array = npt.NDArray[np.float64]
 _NUMBERS = int | float | np.integer | np.floating
 # types of integers in Python and NumPy
@@ -42,18 +30,7 @@ _NUMPY = re.compile(r"\bnp\.(?:[a-z]+\d*_?\(('[^']*'|[^()]*)\)|(True|False)_)")
 
 
 def show(value: object) -> str:
-    """Write a value for a message, in at most one line.
-
-    Parameters
-    ----------
-    value : object
-        The value.
-
-    Returns
-    -------
-    str
-        Its text, shortened; its type if it has no text.
-    """
+    """Write a value for a message, in at most one line."""
     if isinstance(value, int) and value.bit_length() > 256:
         return f"an integer of {value.bit_length()} bits"
     try:
@@ -74,29 +51,7 @@ def to_number(
     below: float = math.inf,
     wanted: str = "",
 ) -> float:
-    """Convert one number.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in messages.
-    value : int, float, NumPy scalar or array without dimension
-        The number.
-    above, below : float
-        Ends of the allowed range, both excluded.
-    wanted : str, optional
-        Allowed values in the message.
-
-    Returns
-    -------
-    float
-        The finite number.
-
-    Raises
-    ------
-    InputError
-        When it is no number, not finite or out of range.
-    """
+    """Convert one number."""
     number = float_of(value)
     if number is not None and math.isfinite(number) and above < number < below:
         return number
@@ -107,45 +62,12 @@ def to_number(
 
 
 def is_whole(value: object) -> TypeGuard[int | np.integer[Any]]:
-    """Check whether a value has an integer type; truth values and times do not count.
-
-    Parameters
-    ----------
-    value : object
-        Any value.
-
-    Returns
-    -------
-    bool
-        True for an integer.
-    """
+    """Check whether a value has an integer type; truth values and times do not count."""
     return isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
 
 
 def to_whole(name: str, value: object, lowest: int, highest: int | None = None) -> int:
-    """Convert one whole number.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in messages.
-    value : int or NumPy integer
-        The number.
-    lowest : int
-        Smallest one allowed.
-    highest : int, optional
-        Largest one allowed.
-
-    Returns
-    -------
-    int
-        The whole number.
-
-    Raises
-    ------
-    InputError
-        When it is no whole number or out of range.
-    """
+    """Convert one whole number."""
     number: int | None = None
     if is_whole(value):
         number = operator.index(value)
@@ -164,34 +86,7 @@ def to_array(
     least: int = 0,
     is_finite: bool = True,
 ) -> Array:
-    """Convert a list or an array of numbers.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in messages.
-    values : number, sequence or array
-        The numbers; one number is an array of one.
-    wanted : str
-        Allowed values in messages.
-    above : float
-        Lower end of the allowed range, excluded.
-    least : int
-        Smallest number of values.
-    is_finite : bool
-        Whether values that are not finite are refused.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        A new array of the numbers.
-
-    Raises
-    ------
-    InputError
-        When there is more than one dimension, or a value is no number, masked, not finite or out of
-        range.
-    """
+    """Convert a list or an array of numbers."""
     array = _floats(name, values, wanted)
     if array.ndim > 1:
         raise InputError(f"{name}: has the shape {array.shape}: must have one dimension")
@@ -209,27 +104,7 @@ def to_array(
 
 
 def to_shaped(name: str, values: object, *shapes: tuple[int, ...]) -> Array:
-    """Convert finite numbers of any dimension.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in messages.
-    values : number, sequence or array
-        The numbers.
-    *shapes : tuple of int
-        Allowed shapes; any by default.
-
-    Returns
-    -------
-    numpy.ndarray
-        A new array of the numbers, with their shape.
-
-    Raises
-    ------
-    InputError
-        When a value is no number, masked or not finite, or the shape is another one.
-    """
+    """Convert finite numbers of any dimension."""
     wanted = "finite numbers"
     array = np.array(values) if type(values) is float else _floats(name, values, wanted)
     if not np.isfinite(array).all():
@@ -242,18 +117,7 @@ def to_shaped(name: str, values: object, *shapes: tuple[int, ...]) -> Array:
 
 
 def to_items(value: object) -> list[Any] | None:
-    """List the items of a list, an array or another ordered iterable.
-
-    Parameters
-    ----------
-    value : object
-        Any value.
-
-    Returns
-    -------
-    list or None
-        Its items; None for a text, for a mapping or a set, and for a value without items.
-    """
+    """List the items of a list, an array or another ordered iterable."""
     if not isinstance(value, Iterable) or isinstance(
         value, str | bytes | bytearray | memoryview | Mapping | set | frozenset
     ):
@@ -265,18 +129,7 @@ def to_items(value: object) -> list[Any] | None:
 
 
 def float_of(value: object) -> float | None:
-    """Convert one number.
-
-    Parameters
-    ----------
-    value : object
-        Any value.
-
-    Returns
-    -------
-    float or None
-        The number; None when the value is no number or exceeds the range.
-    """
+    """Convert one number."""
     if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.is_masked(value):
         value = value.item()
     if not isinstance(value, _NUMBERS) or isinstance(value, _NO_NUMBERS):
@@ -323,18 +176,7 @@ def _floats_of_objects(name: str, array: npt.NDArray[Any], wanted: str) -> Array
 
 
 def first_masked(values: object) -> int | None:
-    """Find the first masked value.
-
-    Parameters
-    ----------
-    values : object
-        Any value.
-
-    Returns
-    -------
-    int or None
-        Its flat position; None without one.
-    """
+    """Find the first masked value."""
     if isinstance(values, np.ma.MaskedArray):
         found = np.flatnonzero(np.ma.getmaskarray(values))
         return int(found[0]) if found.size else None

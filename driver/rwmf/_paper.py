@@ -9,8 +9,6 @@ from rwmf._arguments import case_of, checked
 from rwmf._numbers import to_array, to_items
 from rwmf.case import CaseLike
 
-__all__ = ["paper_coefficients"]
-
 
 @checked
 def paper_coefficients(case: CaseLike, theta: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -9,8 +9,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
-__all__ = ["Progress", "Reports", "in_notebook", "progress", "progress_bar", "reporting"]
-
 Progress = Callable[[int, int], None]
 # the argument `progress` of public functions
 Reports = Progress | bool | None
@@ -20,13 +18,7 @@ _NOTEBOOK_SECONDS = 0.1
 
 
 def in_notebook() -> bool:
-    """Check whether a Jupyter kernel runs this process and displays its results.
-
-    Returns
-    -------
-    bool
-        False in a terminal, also in that of IPython.
-    """
+    """Check whether a Jupyter kernel runs this process and displays its results."""
     if "IPython" not in sys.modules:
         return False
     from IPython.core.getipython import get_ipython
@@ -95,20 +87,7 @@ def _find_bar() -> type | None:
 
 @contextmanager
 def progress_bar(total: int, unit: str = "run") -> Iterator[Progress | None]:
-    """Show progress in a notebook or on a terminal, and nothing on a redirected output.
-
-    Parameters
-    ----------
-    total : int
-        Number of units of work.
-    unit : str
-        Name of a unit.
-
-    Yields
-    ------
-    callable or None
-        Called with the numbers of finished and of all units; None where nothing is shown.
-    """
+    """Show progress in a notebook or on a terminal, and nothing on a redirected output."""
     if in_notebook():
         with _notebook_bar(total, unit) as show:
             yield show
@@ -149,18 +128,7 @@ def _plain_report(unit: str) -> Progress:
 
 @contextmanager
 def progress(unit: str = "run") -> Iterator[Progress]:
-    """Open the bar with the first report, which gives the number of runs.
-
-    Parameters
-    ----------
-    unit : str
-        Name of a unit.
-
-    Yields
-    ------
-    callable
-        Called with the numbers of finished and of all runs.
-    """
+    """Open the bar with the first report, which gives the number of runs."""
     with ExitStack() as stack:
         bars: list[Progress | None] = []
 
@@ -175,20 +143,7 @@ def progress(unit: str = "run") -> Iterator[Progress]:
 
 @contextmanager
 def reporting(wanted: Reports, unit: str = "run") -> Iterator[Progress | None]:
-    """Apply the argument `progress` of a public function.
-
-    Parameters
-    ----------
-    wanted : callable, bool or None
-        A function of the caller; True for a bar.
-    unit : str
-        Name of a unit of the bar.
-
-    Yields
-    ------
-    callable or None
-        Called with the numbers of finished and of all units; None without reports.
-    """
+    """Apply the argument `progress` of a public function."""
     if wanted is True:
         with progress(unit) as report:
             yield report

@@ -19,8 +19,6 @@ from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.quantities import INSTANT, QUANTITIES, find_numbered
 
-__all__ = ["PATTERNS", "columns_by_key", "mark_crossings", "pushover"]
-
 PATTERNS = ("first_mode", "floors", "roof")
 
 # drift of the roof without a protocol: beyond the limits of design codes and the range of tests
@@ -112,37 +110,14 @@ def pushover(
     curve = _library.compute_curve(case.kernel, case.label, name, loads, legs, n)
     found = _to_dataset(curve, case, name)
     if case.kernel.limited_demands():
-        from rwmf._checks.static_demands import crossings_of
+        from rwmf._checks.checks import crossings_of
 
         return _with_marks(found, crossings_of(case, found))
     return found
 
 
 def mark_crossings(curve: xr.Dataset, name: str, variable: str, level: float) -> xr.Dataset:
-    """Add a mark wherever the magnitude of a variable rises above a level.
-
-    Parameters
-    ----------
-    curve : xarray.Dataset
-        From `pushover`.
-    name : str
-        Name of the mark.
-    variable : str
-        Variable over ``step``, such as ``storey_3_drift``.
-    level : float
-        Level in the unit of the variable.
-
-    Returns
-    -------
-    xarray.Dataset
-        The curve with more marks, in the order of the steps. A mark has the first step at or above
-        the level; its drift is interpolated between this step and the one before.
-
-    Raises
-    ------
-    InputError
-        When the curve has no such variable over its steps.
-    """
+    """Add a mark wherever the magnitude of a variable rises above a level."""
     curve = dataset_of(curve, "rwmf.pushover", "roof_drift", "mark_step")
     level = to_number("level", level, above=0.0)
     if variable not in curve or curve[variable].dims != (_STEP,):
@@ -168,18 +143,7 @@ def _with_marks(curve: _Curve, more: Iterable[tuple[str, int, float]]) -> _Curve
 
 
 def columns_by_key(curve: xr.Dataset) -> dict[str, npt.NDArray[np.float64]]:
-    """Return the columns of a curve by their keys, as in CSV and JSON.
-
-    Parameters
-    ----------
-    curve : xarray.Dataset
-        From `pushover`.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray, each shape (steps,)
-        Values by key, units included; those of storeys, floors and links one by one.
-    """
+    """Return the columns of a curve by their keys, as in CSV and JSON."""
     keys = {name: key for key, (name, _, _) in _OWN.items()}
     for key, quantity in (QUANTITIES | INSTANT).items():
         if "history" in quantity.outputs.split():

@@ -15,8 +15,6 @@ from rwmf._headline import grouped, headline, is_complete
 from rwmf.errors import InputError
 from rwmf.quantities import QUANTITIES, Quantity
 
-__all__ = ["LEVELS", "Response", "as_response"]
-
 # dimensions of quantities with a number
 LEVELS = ("storey", "floor", "mode", "tendon", "fuse", "restraint")
 
@@ -28,8 +26,8 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
     ``storey``, ``floors_acceleration_max_g`` over ``floor``. Coordinates are the numbers from the
     ground up, ``storey_height`` (from floor to floor) and ``floor_height`` (above the base) [m]. A
     name with a number is the value of that storey or floor: ``response["storey_3_drift_max"]``.
-    Floors without a value, for example without a link, are NaN. Modes, tendons, fuses and restraints
-    are numbered likewise, elements in the order of their `offset`.
+    Floors without a value, for example without a link, are NaN. Modes, tendons, fuses and
+    restraints are numbered likewise, elements in the order of their `offset`.
 
     Printing shows the headline, the scalars by group, and the names of the histories.
 
@@ -176,18 +174,7 @@ def _names_of_runs() -> dict[str, tuple[Quantity, str]]:
 
 
 def as_response(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset with names of single storeys and floors, for example one read from a file.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.simulate`, or another one.
-
-    Returns
-    -------
-    xarray.Dataset
-        A `Response` for a dataset over storeys or floors, otherwise the dataset.
-    """
+    """Return a dataset with names of single storeys and floors, for example one from a file."""
     if isinstance(dataset, Response) or not set(LEVELS) & set(dataset.dims):
         return dataset
     return Response(dataset.data_vars, dataset.coords, dataset.attrs)

@@ -14,23 +14,12 @@ from rwmf._arguments import case_of, checked
 from rwmf._headline import tendon_yield_of
 from rwmf._numbers import to_number
 from rwmf.case import Case, CaseLike
-from rwmf.case.heights import heights_of_storeys
+from rwmf.case.grid import heights_of_storeys
 from rwmf.quantities import Quantity, find_numbered
 
 if TYPE_CHECKING:
     from rwmf._labels import Labelled
     from rwmf._response import Response
-
-__all__ = [
-    "by_quantity",
-    "label",
-    "level_coordinates",
-    "simulate",
-    "sizes_of",
-    "start",
-    "to_dataset",
-    "with_history",
-]
 
 
 @checked
@@ -71,66 +60,19 @@ def simulate(case: CaseLike, dt: float | None = None) -> Response:
 
 
 def with_history(case: Case, dt: float) -> Case:
-    """Return the case with another interval of the history.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    dt : float
-        Interval [s].
-
-    Returns
-    -------
-    Case
-        The edited case.
-
-    Raises
-    ------
-    InputError
-        When the interval is not acceptable.
-    """
+    """Return the case with another interval of the history."""
     return case.replace(output={"dt": to_number("dt", dt, above=0.0, wanted="a number > 0 [s]")})
 
 
 @contextmanager
 def start(case: Case) -> Iterator[_library.Run]:
-    """Run a case and keep the kernel's result until the ``with`` block is left.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Yields
-    ------
-    Run
-        Summary, history, events, and the files of the batch program.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As `simulate`.
-    """
+    """Run a case and keep the kernel's result until the ``with`` block is left."""
     with _library.start_simulation(case.kernel, case.label) as run:
         yield run
 
 
 def to_dataset(run: _library.Run, case: Case) -> Response:
-    """Label the kernel's result.
-
-    Parameters
-    ----------
-    run : Run
-        From `start`.
-    case : Case
-        The computed case.
-
-    Returns
-    -------
-    Response
-        As `simulate` returns it.
-    """
+    """Label the kernel's result."""
     # imported here, so that a run without a dataset does not load xarray
     from rwmf._labels import dataset
     from rwmf._response import Response
@@ -169,18 +111,7 @@ _Found = dict[str, tuple[Quantity, dict[int, Any]]]
 
 
 def by_quantity(items: Iterable[tuple[str, Any]]) -> _Found:
-    """Group values by their row in the table of quantities.
-
-    Parameters
-    ----------
-    items : iterable of tuple
-        Keys of the kernel, and their values.
-
-    Returns
-    -------
-    dict
-        By key, the row and its values by the number of storey, floor or mode; 0 for none.
-    """
+    """Group values by their row in the table of quantities."""
     found: _Found = {}
     for key, value in items:
         quantity, number = find_numbered(key)
@@ -189,18 +120,7 @@ def by_quantity(items: Iterable[tuple[str, Any]]) -> _Found:
 
 
 def sizes_of(found: Iterable[tuple[Quantity, dict[int, Any]]]) -> dict[str, int]:
-    """Return the number of storeys, as many as floors, and of modes; absent without a quantity.
-
-    Parameters
-    ----------
-    found : iterable of tuple
-        Values of `by_quantity`.
-
-    Returns
-    -------
-    dict of str to int
-        Numbers by level.
-    """
+    """Return the number of storeys, as many as floors, and of modes; absent without a quantity."""
     sizes: dict[str, int] = {}
     for quantity, values in found:
         if quantity.level:
@@ -217,21 +137,7 @@ def label(
     sizes: dict[str, int],
     over: str = "time",
 ) -> None:
-    """Add variables over time or of a run, those of storeys or floors over their numbers.
-
-    Parameters
-    ----------
-    variables : dict
-        Variables by name, to be extended.
-    found : dict
-        From `by_quantity`.
-    output : str
-        'history' for columns, 'run' for scalars.
-    sizes : dict of str to int
-        From `sizes_of`.
-    over : str
-        Dimension of columns.
-    """
+    """Add variables over time or of a run, those of storeys or floors over their numbers."""
     for quantity, values in found.values():
         dims = (over,) if output == "history" else ()
         if quantity.level:
@@ -246,22 +152,7 @@ def label(
 
 
 def level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict[str, Labelled]:
-    """Return numbers and heights of the storeys and floors, from the ground up.
-
-    Parameters
-    ----------
-    case : Case
-        The computed case.
-    sizes : dict of str to int
-        From `sizes_of`.
-    dims : set of str
-        Dimensions in use.
-
-    Returns
-    -------
-    dict
-        Coordinates by name.
-    """
+    """Return numbers and heights of the storeys and floors, from the ground up."""
     heights = heights_of_storeys(case, sizes.get("floor", sizes.get("storey", 0)))
     found: dict[str, Labelled] = {}
     for level, values, meaning in (

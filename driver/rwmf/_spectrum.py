@@ -17,8 +17,6 @@ from rwmf.case.grid import Values, with_grid
 from rwmf.errors import InputError
 from rwmf.quantities import AXES, QUANTITIES, find, keys_of
 
-__all__ = ["spectrum", "start", "to_dataset"]
-
 
 @checked
 def spectrum(
@@ -122,29 +120,7 @@ def start(
     progress: Progress | None = None,
     quantities: Sequence[str] = (),
 ) -> Iterator[_library.Spectrum]:
-    """Compute a case's spectrum and keep it in the kernel until the ``with`` block is left.
-
-    Parameters
-    ----------
-    case : Case
-        A case with `&spectrum`.
-    threads : int
-        Threads of the kernel, 0 for all.
-    progress : callable, optional
-        Called as that of `spectrum`.
-    quantities : sequence of str
-        Keys of the requested quantities; none: those of the case.
-
-    Yields
-    ------
-    Spectrum
-        Values, metadata, and the file of the batch program.
-
-    Raises
-    ------
-    InputError, Interrupted
-        As `spectrum`.
-    """
+    """Compute a case's spectrum and keep it in the kernel until the ``with`` block is left."""
     total = case.kernel.ordinates()
     report = None if progress is None else lambda done: progress(done, total)
     with _library.start_spectrum(case.kernel, case.label, threads, report, quantities) as sweep:
@@ -152,18 +128,7 @@ def start(
 
 
 def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
-    """Label the kernel's spectrum.
-
-    Parameters
-    ----------
-    sweep : Spectrum
-        From `start`.
-
-    Returns
-    -------
-    xarray.Dataset
-        As `spectrum` returns it.
-    """
+    """Label the kernel's spectrum."""
     values = sweep.values()
     facts = sweep.facts()
     axes = sweep.axes()

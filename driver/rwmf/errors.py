@@ -29,38 +29,14 @@ call_depth: ContextVar[int] = ContextVar("call_depth", default=0)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Suggest a known word for an unknown one, for the message of an error.
-
-    Parameters
-    ----------
-    word : str
-        The unknown word.
-    known : iterable of str
-        The known words; upper and lower case do not matter.
-
-    Returns
-    -------
-    str
-        ', did you mean ...?', or '' without a similar word.
-    """
+    """Suggest a known word for an unknown one, for the message of an error."""
     by_lower = {name.lower(): name for name in known}
     near = difflib.get_close_matches(word.lower(), by_lower, n=1)
     return f", did you mean {by_lower[near[0]]}?" if near else ""
 
 
 def without_lines(message: str) -> str:
-    """Remove line numbers from a message about text that the user has not written.
-
-    Parameters
-    ----------
-    message : str
-        Message of the kernel.
-
-    Returns
-    -------
-    str
-        The message without ` (line 7)`.
-    """
+    """Remove line numbers from a message about text that the user has not written."""
     return re.sub(r" \(line \d+\)", "", message)
 
 
@@ -106,11 +82,6 @@ def warn(lines: Iterable[str]) -> None:
     """Emit warnings about a result at the line of the user that called the package.
 
     A function that another public function of the package has called emits none.
-
-    Parameters
-    ----------
-    lines : iterable of str
-        One text per warning.
     """
     if call_depth.get() > 1:
         return

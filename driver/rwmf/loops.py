@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf._numbers import show, to_array, to_items
 from rwmf.case import Case, CaseLike
-from rwmf.case.heights import heights_of_storeys
+from rwmf.case.grid import heights_of_storeys
 from rwmf.errors import InputError
 from rwmf.plotting.style import LEVEL, Panels, make_panels, series, storey
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind", "springs_of"]
+__all__ = ["Loop", "draw", "find_loops"]
 
 Array = npt.NDArray[np.float64]
 

@@ -7,23 +7,16 @@ those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`, `pushover` curv
 The other functions draw the studies of the same name.
 """
 
+from typing import TYPE_CHECKING
+
+from rwmf._renamed import moved
 from rwmf.plotting.checks_figure import checks
-from rwmf.plotting.cost_figure import work_precision
-from rwmf.plotting.envelope import envelope, envelope_quantities
 from rwmf.plotting.ground import ground_motion
-from rwmf.plotting.overturning_map import draw_overturning
-from rwmf.plotting.profile import profile
-from rwmf.plotting.pushover_figure import pushover
+from rwmf.plotting.profile import envelope, envelope_quantities, profile
 from rwmf.plotting.response import PANELS, history, spectrum
+from rwmf.plotting.result_figures import pushover, work_precision
 from rwmf.plotting.risk_figures import cloud, deaggregation, fragility, hazard, ida
-from rwmf.plotting.risk_figures import fragility as draw_fragility
-from rwmf.plotting.studies import (
-    draw_bands,
-    draw_equal_response,
-    draw_friction,
-    draw_suite,
-    draw_wall_effect,
-)
+from rwmf.plotting.studies import equal_response, overturning_map, wall_effect
 from rwmf.plotting.style import make_panels, style
 
 __all__ = [
@@ -31,24 +24,27 @@ __all__ = [
     "checks",
     "cloud",
     "deaggregation",
-    "draw_bands",
-    "draw_equal_response",
-    "draw_fragility",
-    "draw_friction",
-    "draw_overturning",
-    "draw_suite",
-    "draw_wall_effect",
     "envelope",
     "envelope_quantities",
+    "equal_response",
     "fragility",
     "ground_motion",
     "hazard",
     "history",
     "ida",
     "make_panels",
+    "overturning_map",
     "profile",
     "pushover",
     "spectrum",
     "style",
+    "wall_effect",
     "work_precision",
 ]
+
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        """Name the replacement of an earlier spelling."""
+        raise AttributeError(moved(f"plot.{name}"))

@@ -9,20 +9,6 @@ from typing import Any
 
 from rwmf import _library
 
-__all__ = [
-    "AXES",
-    "ENDINGS",
-    "INSTANT",
-    "QUANTITIES",
-    "SENSITIVITY",
-    "Quantity",
-    "ending_of",
-    "find",
-    "find_numbered",
-    "keys_of",
-    "names_by_key",
-]
-
 # beginning of the key of a peak's sensitivity to the motion
 SENSITIVITY = "sensitivity_"
 # endings of a motion before its planned time, as statuses; they are results, not errors. The
@@ -75,16 +61,6 @@ class Quantity:
         Names carry no unit; the attributes of the variable do. The final value of a quantity that
         is also a column of the history ends with ``_end``. Energies at the end and reactions in N
         also have a name with the unit, for existing programs.
-
-        Parameters
-        ----------
-        output : str
-            'history' for a column over time, otherwise another word of `outputs`.
-
-        Returns
-        -------
-        tuple of str
-            The name to use first; empty for an attribute of a run's dataset.
         """
         if not self.name:
             return ()
@@ -94,18 +70,7 @@ class Quantity:
         return (plain,) if output == "history" else (f"{plain}_end", self.name)
 
     def called(self, word: str) -> str:
-        """Choose one of its names in a grid.
-
-        Parameters
-        ----------
-        word : str
-            Name or key in the request.
-
-        Returns
-        -------
-        str
-            The name that `word` matches, else the first name, else the key.
-        """
+        """Choose one of its names in a grid."""
         names = self.names("ordinate")
         return next((name for name in names if name.lower() == word.lower()), (*names, self.key)[0])
 
@@ -159,18 +124,7 @@ AXES = {"b": QUANTITIES["b_m"], "gamma": QUANTITIES["gamma"], "T_s": QUANTITIES[
 
 
 def keys_of(names: Iterable[str]) -> list[str]:
-    """Translate names of variables into keys; keys and unknown words stay.
-
-    Parameters
-    ----------
-    names : iterable of str
-        Names in a dataset, or keys; upper and lower case do not matter.
-
-    Returns
-    -------
-    list of str
-        The keys in the same order.
-    """
+    """Translate names of variables into keys; keys and unknown words stay."""
     keys = {key.lower(): key for key in QUANTITIES}
     keys |= {
         name.lower(): key
@@ -190,18 +144,7 @@ def keys_of(names: Iterable[str]) -> list[str]:
 
 
 def names_by_key(names: Iterable[object]) -> dict[str, str]:
-    """Map the key of each quantity to its first name in a dataset.
-
-    Parameters
-    ----------
-    names : iterable
-        Names of the dataset's variables.
-
-    Returns
-    -------
-    dict of str to str
-        Names by key, in their order.
-    """
+    """Map the key of each quantity to its first name in a dataset."""
     words = [str(name) for name in names]
     found: dict[str, str] = {}
     for key, word in zip(keys_of(words), words, strict=True):
@@ -210,18 +153,7 @@ def names_by_key(names: Iterable[object]) -> dict[str, str]:
 
 
 def find(key: str) -> Quantity:
-    """Look up a column of a history or a key of a summary.
-
-    Parameters
-    ----------
-    key : str
-        Key as the kernel writes it, with the number of a floor or storey.
-
-    Returns
-    -------
-    Quantity
-        Its row of the table, with that number.
-    """
+    """Look up a column of a history or a key of a summary."""
     quantity, number = find_numbered(key)
     if not number:
         return quantity
@@ -229,20 +161,7 @@ def find(key: str) -> Quantity:
 
 
 def find_numbered(key: str) -> tuple[Quantity, int]:
-    """Look up a column of a history or a key of a summary in the table of quantities.
-
-    Parameters
-    ----------
-    key : str
-        Key as the kernel writes it.
-
-    Returns
-    -------
-    Quantity
-        Its row of the table.
-    int
-        Number of its floor or storey; 0 for none.
-    """
+    """Look up a column of a history or a key of a summary in the table of quantities."""
     number = next((part for part in key.split("_") if part.isdigit()), "0")
     if int(number):
         key = key.replace(f"_{number}_", "_{i}_")
@@ -250,16 +169,5 @@ def find_numbered(key: str) -> tuple[Quantity, int]:
 
 
 def ending_of(summary: Mapping[str, Any]) -> str:
-    """Return the ending of a run.
-
-    Parameters
-    ----------
-    summary : mapping
-        Named scalars of the run.
-
-    Returns
-    -------
-    str
-        'overturned' or 'collapsed', or 'ok' when the run reached its final time.
-    """
+    """Return the ending of a run."""
     return next((name for name in ENDINGS if summary.get(name)), "ok")

@@ -26,8 +26,7 @@ from rwmf._records.facts import describe
 from rwmf._records.reader import read_bytes, read_channels
 from rwmf._records.sequence import join
 from rwmf._sweep.intensity import G
-from rwmf._sweep.record_pairs import RecordPair, pairs
-from rwmf._sweep.record_selection import Selection, select, write_suite
+from rwmf._sweep.record_selection import RecordPair, Selection, pairs, select, write_suite
 from rwmf.case import Motion
 from rwmf.errors import InputError, OutputError, did_you_mean
 

@@ -1,1 +1,1 @@
-"""The paper's figures and claims, computed again and judged against engines (rwmf reproduce)."""
+"""The paper's figures and claims, computed again and judged (tools/run reproduce)."""

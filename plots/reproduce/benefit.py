@@ -22,18 +22,7 @@ _RANGES = ((0.0, 0.6), (0.6, 1.5), (1.5, 3.0))
 
 
 def benefit_table(cache: ResponseCache) -> Table:
-    """Average the ratio of the largest displacements over ranges of periods.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-
-    Returns
-    -------
-    Table
-        One row a motion, form and mass ratio; mean and extremes of the ratio in each range [-].
-    """
+    """Average the ratio of the largest displacements over ranges of periods."""
     heads = ("motion and wall", "form", "gamma", *(f"T_s {a:g} to {b:g} s" for a, b in _RANGES))
     rows = []
     for name, scene in _SCENES.items():

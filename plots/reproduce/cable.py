@@ -29,24 +29,7 @@ def increments(
     gamma: float,
     etas: tuple[float, float] = SHIPPED_ETAS,
 ) -> np.ndarray:
-    """Compute the largest increment of the cable force over the periods of the frame.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-    form : Formulation
-        Formulation of the model.
-    gamma : float
-        Mass ratio [-].
-    etas : tuple of float
-        eta_0 and eta_alpha [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (len(PERIODS),)
-        Largest P/(m_w g) - eta_0 [-].
-    """
+    """Compute the largest increment of the cable force over the periods of the frame."""
     name = "fig11_cable_stiff_frame_heavy_wall"
     found = []
     for T_s in PERIODS:
@@ -57,15 +40,7 @@ def increments(
 
 
 def draw(figure: Figure, cache: ResponseCache) -> None:
-    """Fig. 11: histories for three frames and two walls, and the maximum over all periods.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where responses come from.
-    """
+    """Fig. 11: histories for three frames and two walls, and the maximum over all periods."""
     grid = figure.add_gridspec(2, 3, height_ratios=(1, 1.25))
     panels: list[Axes] = []
     for column, frame in enumerate(_FRAMES):

@@ -91,20 +91,7 @@ class Judgement:
 
 
 def evaluate(cache: ResponseCache, claim: Claim) -> Judgement:
-    """Measure a claim for both forms, and for every cable in the published one.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-    claim : Claim
-        The claim.
-
-    Returns
-    -------
-    Judgement
-        The results.
-    """
+    """Measure a claim for both forms, and for every cable in the published one."""
     cables = ETAS if claim.has_cable else (SHIPPED_ETAS,)
     found = {etas: claim.measure(cache, PUBLISHED, etas) for etas in cables}
     verdicts = [measured.holds for measured in found.values() if measured.holds is not None]

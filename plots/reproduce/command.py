@@ -1,10 +1,11 @@
-"""Products of ``rwmf reproduce``: the paper's figures, verdicts on its claims, the validation."""
+"""Products of ``python -m reproduce``: the paper's figures, verdicts on its claims, validation."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from rwmf._files import files
@@ -14,29 +15,30 @@ from rwmf.errors import InputError, OutputError
 from reproduce import figures, pages
 from reproduce.response_cache import ResponseCache
 
-__all__ = ["run"]
+__all__ = ["main"]
 
+_ROOT = Path(__file__).resolve().parents[2]
 _PAGES = {"claims.md": pages.claims_page, "validation.md": pages.validation_page}
 
 
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Make the requested products."""
+    parser = argparse.ArgumentParser(prog="python -m reproduce", description=__doc__)
+    text = "4 to 13, benefit, band, free, block, g5, disc, six_storeys; all when absent"
+    parser.add_argument("figures", nargs="*", metavar="FIGURE", help=text)
+    text = "write claims.md and validation.md there"
+    parser.add_argument("--docs", type=Path, metavar="DIR", help=text)
+    for name, place in (
+        ("out", _ROOT / "build" / "plots"),
+        ("inputs", _ROOT / "inputs"),
+        ("validation", _ROOT / "validation"),
+    ):
+        parser.add_argument(f"--{name}", type=Path, metavar="DIR", default=place)
+    return run(parser.parse_args(arguments))
+
+
 def run(options: argparse.Namespace) -> int:
-    """Make the requested products.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As `rwmf.cli` parses them, with all folders.
-
-    Returns
-    -------
-    int
-        Exit status 0.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the simulations, the readers of histories and the writers of files.
-    """
+    """Make the products of the given options."""
     started = time.perf_counter()
     names = list(dict.fromkeys(figures.find(word) for word in options.figures or figures.FIGURES))
     _check_folders(options, names)

@@ -25,61 +25,21 @@ OVER_TIME = r"$t$ (s)"
 
 
 def style_of(form: Formulation) -> dict[str, Any]:
-    """Return the arguments of ``Axes.plot`` for a form, with its label.
-
-    Parameters
-    ----------
-    form : Formulation
-        Formulation and restitution.
-
-    Returns
-    -------
-    dict
-        The arguments.
-    """
+    """Return the arguments of ``Axes.plot`` for a form, with its label."""
     return {**series(FORMULATIONS.index(form), len(FORMULATIONS)), "label": form.label}
 
 
 def style_of_mass_ratio(gamma: float) -> dict[str, Any]:
-    """Return style and label of a mass ratio: the same in every figure.
-
-    Parameters
-    ----------
-    gamma : float
-        Mass ratio [-].
-
-    Returns
-    -------
-    dict
-        Arguments of ``Axes.plot``.
-    """
+    """Return style and label of a mass ratio: the same in every figure."""
     line_style = series(_MASS_RATIOS.index(gamma), len(_MASS_RATIOS))
     return {**line_style, "label": rf"$\gamma$ = {gamma:g}"}
 
 
 def row_label(ax: Axes, text: str) -> None:
-    """Write the label of a row of panels to the right of its last panel.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The last panel.
-    text : str
-        Label of the row.
-    """
+    """Write the label of a row of panels to the right of its last panel."""
     ax.text(1.03, 0.5, text, transform=ax.transAxes, rotation=270, va="center", ha="left")
 
 
 def column_title(ax: Axes, letter: str, text: str) -> None:
-    """Write the title of a panel, with the letter of the paper if it has one.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The panel.
-    letter : str
-        Its letter, or ''.
-    text : str
-        Title of the panel.
-    """
+    """Write the title of a panel, with the letter of the paper if it has one."""
     ax.set_title(f"({letter}) {text}" if letter else text)

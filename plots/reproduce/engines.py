@@ -68,23 +68,7 @@ class Difference:
 
 
 def read(path: Path) -> EngineHistory:
-    """Read a stored history.
-
-    Parameters
-    ----------
-    path : path
-        File with facts as JSON in a comment and columns below.
-
-    Returns
-    -------
-    EngineHistory
-        The history.
-
-    Raises
-    ------
-    InputError
-        When the file is missing or damaged.
-    """
+    """Read a stored history."""
     try:
         with path.open(encoding="utf-8") as stream:
             facts = json.loads(stream.readline().removeprefix("#"))
@@ -100,24 +84,7 @@ def read(path: Path) -> EngineHistory:
 def write(
     path: Path, facts: dict[str, Any], history: Array, names: Sequence[str] = COLUMNS
 ) -> None:
-    """Store a history: facts as JSON in the first line, then columns to six digits.
-
-    Parameters
-    ----------
-    path : path
-        File to write.
-    facts : dict
-        Engine, version and parameters.
-    history : numpy.ndarray, shape (n, m)
-        The columns; one of NaN, the displacement of a scene without frame, is left out.
-    names : sequence of str
-        Names of the m columns.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
+    """Store a history: facts as JSON in the first line, then columns to six digits."""
     used = np.flatnonzero(~np.isnan(history).all(axis=0)).tolist()
     lines = [f"# {json.dumps(facts)}", ",".join(names[i] for i in used)]
     lines += [
@@ -127,20 +94,7 @@ def write(
 
 
 def compare(response: xr.Dataset, engine: EngineHistory) -> Difference:
-    """Measure how far a response is from an engine's history, over the engine's duration.
-
-    Parameters
-    ----------
-    response : xarray.Dataset
-        From `rwmf.simulate`, with a history finer than the engine's.
-    engine : EngineHistory
-        The engine's history.
-
-    Returns
-    -------
-    Difference
-        The measures.
-    """
+    """Measure how far a response is from an engine's history, over the engine's duration."""
     t = engine["t_s"]
     within = response.sel(time=slice(None, t[-1] + 1e-9))
     theirs, ours = engine["theta_rad"], within["theta"].values
@@ -165,22 +119,7 @@ def compare(response: xr.Dataset, engine: EngineHistory) -> Difference:
 
 
 def crossings(t: Array, theta: Array, floor: float = 0.02) -> Array:
-    """Instants at which the wall changes sides between two excursions.
-
-    Parameters
-    ----------
-    t : numpy.ndarray, shape (n,)
-        Times [s].
-    theta : numpy.ndarray, shape (n,)
-        Rotation [rad].
-    floor : float
-        Threshold of an excursion, as a fraction of the peak [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (m,)
-        First zero of theta between each two successive excursions to opposite sides [s].
-    """
+    """Instants at which the wall changes sides between two excursions."""
     away = np.flatnonzero(np.abs(theta) > floor * np.abs(theta).max())
     found = []
     for i, j in pairwise(away):

@@ -122,23 +122,7 @@ FIGURES: dict[str, FigureRecipe] = {
 
 
 def find(word: str) -> str:
-    """Return the figure that a word of the command line names.
-
-    Parameters
-    ----------
-    word : str
-        Name in `FIGURES`, or a number of the paper: ``4``, ``fig4`` or ``fig04``.
-
-    Returns
-    -------
-    str
-        Name in the figures.
-
-    Raises
-    ------
-    InputError
-        When there is no such figure.
-    """
+    """Return the figure that a word of the command line names."""
     name = word.lower()
     if match := re.fullmatch(r"(?:fig\.?)?0*(\d{1,2})", name):
         name = f"fig{int(match[1]):02d}"
@@ -148,27 +132,7 @@ def find(word: str) -> str:
 
 
 def make(cache: ResponseCache, name: str, folder: Path) -> list[Path]:
-    """Draw a figure into a folder, in every format of `FORMATS`.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-    name : str
-        Name in the figures.
-    folder : path
-        Existing folder.
-
-    Returns
-    -------
-    list of path
-        The files.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the simulations and the writer of figures.
-    """
+    """Draw a figure into a folder, in every format of `FORMATS`."""
     paths = [folder / f"{name}.{kind}" for kind in FORMATS]
     recipe = FIGURES[name]
     with new_figure(recipe.height) as figure:

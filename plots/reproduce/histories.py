@@ -42,22 +42,7 @@ _FIRST_DOT = {"mujoco": 0.0, "opensees": 0.04, "calculix": 0.08}
 
 
 def respond(cache: ResponseCache, name: str, form: Formulation) -> xr.Dataset:
-    """Simulate a validation case in one of the forms.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the cases are.
-    name : str
-        Name of the case.
-    form : Formulation
-        `EXACT` with the straight cable as the case has it; `PUBLISHED` with e = 0.9, Eq. (1).
-
-    Returns
-    -------
-    xarray.Dataset
-        The response.
-    """
+    """Simulate a validation case in one of the forms."""
     case = Case.from_namelist(cache.validation / f"{name}.nml")
     if form is PUBLISHED:
         linear = {"cable": {"law": "linear"}} if case.cable is not None else {}
@@ -67,36 +52,13 @@ def respond(cache: ResponseCache, name: str, form: Formulation) -> xr.Dataset:
 
 
 def stored(cache: ResponseCache, name: str) -> dict[str, EngineHistory]:
-    """Read the histories that engines left for a validation case.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the histories are.
-    name : str
-        Name of the validation case.
-
-    Returns
-    -------
-    dict of str to EngineHistory
-        Histories by the name of the engine.
-    """
+    """Read the histories that engines left for a validation case."""
     paths = {engine: cache.validation / engine / f"{name}.csv" for engine in ENGINES}
     return {engine: read(path) for engine, path in paths.items() if path.is_file()}
 
 
 def draw_validation(figure: Figure, cache: ResponseCache, name: str) -> None:
-    """Panels of Fig. 4 for a validation case (name): uplifts, angular velocity and u_s.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where responses come from.
-    name : str
-        Name of the validation case.
-    """
+    """Panels of Fig. 4 for a validation case (name): uplifts, angular velocity and u_s."""
     responses = {form: respond(cache, name, form) for form in FORMULATIONS}
     engines = stored(cache, name)
     has_frame = "u_s" in responses[EXACT]
@@ -147,17 +109,7 @@ def _engine_rows(history: EngineHistory) -> list[np.ndarray]:
 
 
 def draw_pulses(figure: Figure, cache: ResponseCache, stem: str) -> None:
-    """Figs 5 and 6: both pulses side by side; stem is the beginning of the names of the cases.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where responses come from.
-    stem : str
-        Beginning of the names of the namelists.
-    """
+    """Figs 5 and 6: both pulses side by side; stem is the beginning of the names of the cases."""
     panels = figure.subplots(4, 2, sharex=True, sharey="row")
     for column, pulse in enumerate(("one_sine", "one_cosine")):
         _draw_pulse(panels[:, column], cache, stem, pulse)

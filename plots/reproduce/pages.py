@@ -58,23 +58,7 @@ of g5:
 
 
 def claims_page(cache: ResponseCache) -> str:
-    """Write the page on the paper's claims.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-
-    Returns
-    -------
-    str
-        Markdown.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the simulations and the readers of histories.
-    """
+    """Write the page on the paper's claims."""
     claims = tables.claims_table(cache)
     return "\n".join(
         (
@@ -123,28 +107,12 @@ _READING = """## Conclusions
   wall amplifies frames of medium stiffness, and only heavy walls reduce u_s,max.
 * **Benefit of the wall.** In the exact formulation a light wall changes next to nothing. A heavy
   wall helps flexible frames in El Centro, but harms frames of medium stiffness there and flexible
-  frames under the one-cosine pulse. The figure `benefit` of `rwmf reproduce` shows these ratios.
+  frames under the one-cosine pulse. `tools/run reproduce benefit` draws these ratios.
 """
 
 
 def validation_page(cache: ResponseCache) -> str:
-    """Write the page on the validation against engines.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-
-    Returns
-    -------
-    str
-        Markdown.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the simulations and the readers of histories.
-    """
+    """Write the page on the validation against engines."""
     return "\n".join(
         (
             "# Validation against engines\n",
@@ -185,8 +153,8 @@ _RESTITUTION = """The table gives the constant e with which the exact form is cl
 """
 _FIGURES = """## Figures
 
-`rwmf reproduce 4 free block g5 disc six_storeys` draws the comparisons into `build/plots/`. After
-an impact the deformable wall vibrates in bending; the model is rigid and does not.
+`tools/run reproduce 4 free block g5 disc six_storeys` draws the comparisons. After an impact
+the deformable wall vibrates in bending; the model is rigid and does not.
 """
 _CONTACT = """u_s hardly depends on the contact; the rotation and the instants of the impacts depend
 on it a little. Without damping the foundation returns the blow, and the wall slides in the air.

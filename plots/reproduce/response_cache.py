@@ -24,17 +24,7 @@ COARSE = tuple(float(T_s) for T_s in np.round(np.linspace(0.05, 3.0, 60), 10))
 
 
 class ResponseCache:
-    """Cases of the folder of inputs and their responses.
-
-    Parameters
-    ----------
-    inputs : path
-        Folder of the namelists.
-    validation : path
-        Folder of the validation cases and of the stored histories of engines.
-    report : callable, optional
-        Called with a line of text before each long computation.
-    """
+    """Cases of the folder of inputs and their responses."""
 
     def __init__(
         self, inputs: Path, validation: Path, report: Callable[[str], None] | None = None
@@ -52,29 +42,7 @@ class ResponseCache:
         etas: tuple[float, float] = SHIPPED_ETAS,
         changes: Changes | None = None,
     ) -> Case:
-        """Return a shipped case in one of the forms.
-
-        Parameters
-        ----------
-        name : str
-            Name of the namelist without suffix.
-        form : Formulation
-            Formulation and restitution.
-        etas : tuple of float
-            eta_0 and eta_alpha [-].
-        changes : mapping, optional
-            Further groups to replace.
-
-        Returns
-        -------
-        Case
-            The case.
-
-        Raises
-        ------
-        InputError
-            When the namelist is missing or the case is not acceptable.
-        """
+        """Return a shipped case in one of the forms."""
         if name not in self._cases:
             self._cases[name] = Case.from_namelist(self.inputs / f"{name}.nml")
         case = self._cases[name].replace(
@@ -91,42 +59,14 @@ class ResponseCache:
         etas: tuple[float, float] = SHIPPED_ETAS,
         changes: Changes | None = None,
     ) -> xr.Dataset:
-        """Simulate a shipped case; arguments as in `case`.
-
-        Parameters
-        ----------
-        name : str
-            Name of the namelist without suffix.
-        form : Formulation
-            Formulation and restitution.
-        etas : tuple of float
-            eta_0 and eta_alpha [-].
-        changes : mapping, optional
-            Further groups to replace.
-
-        Returns
-        -------
-        xarray.Dataset
-            From `rwmf.simulate`.
-        """
+        """Simulate a shipped case; arguments as in `case`."""
         key = ("history", name, form.key, etas, repr(changes))
         if key not in self._results:
             self._results[key] = simulate(self.case(name, form, etas, changes))
         return self._results[key]
 
     def frame_alone(self, name: str) -> xr.Dataset:
-        """Simulate the frame of a shipped case without its wall.
-
-        Parameters
-        ----------
-        name : str
-            Name of the namelist without suffix.
-
-        Returns
-        -------
-        xarray.Dataset
-            From `rwmf.simulate`.
-        """
+        """Simulate the frame of a shipped case without its wall."""
         key = ("frame", name)
         if key not in self._results:
             case = Case.from_namelist(self.inputs / f"{name}.nml")
@@ -141,24 +81,7 @@ class ResponseCache:
         etas: tuple[float, float] = SHIPPED_ETAS,
         T_s: tuple[float, ...] | None = None,
     ) -> xr.Dataset:
-        """Compute the spectrum of a shipped case; T_s [s] as the case has it when absent.
-
-        Parameters
-        ----------
-        name : str
-            Name of the namelist without suffix.
-        form : Formulation
-            Formulation and restitution.
-        etas : tuple of float
-            eta_0 and eta_alpha [-].
-        T_s : tuple of float, optional
-            Periods of the frame [s]; those of the case when absent.
-
-        Returns
-        -------
-        xarray.Dataset
-            From `rwmf.spectrum`.
-        """
+        """Compute the spectrum of a shipped case; T_s [s] as the case has it when absent."""
         key = ("spectrum", name, form.key, etas, T_s)
         if key not in self._results:
             case = self.case(name, form, etas)
@@ -166,20 +89,7 @@ class ResponseCache:
         return self._results[key]
 
     def spectrum_alone(self, name: str, T_s: tuple[float, ...] | None = None) -> xr.Dataset:
-        """Compute the spectrum of the frame without wall; T_s [s] as in `spectrum`.
-
-        Parameters
-        ----------
-        name : str
-            Name of the namelist without suffix.
-        T_s : tuple of float, optional
-            Periods of the frame [s]; those of the case when absent.
-
-        Returns
-        -------
-        xarray.Dataset
-            From `rwmf.spectrum`.
-        """
+        """Compute the spectrum of the frame without wall; T_s [s] as in `spectrum`."""
         key = ("spectrum alone", name, T_s)
         if key not in self._results:
             case = Case.from_namelist(self.inputs / f"{name}.nml")

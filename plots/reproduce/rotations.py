@@ -75,17 +75,7 @@ _SHOWN = 8.0
 
 
 def draw(figure: Figure, cache: ResponseCache, comparison: Comparison) -> None:
-    """One figure of rotations: a column for each frame, a row for each form.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where responses come from.
-    comparison : Comparison
-        Differences between the panels.
-    """
+    """One figure of rotations: a column for each frame, a row for each form."""
     n = len(comparison.columns)
     panels = figure.subplots(2, n, sharex=True, sharey="col", squeeze=False)
     for j, (title, cases) in enumerate(comparison.columns.items()):

@@ -73,61 +73,19 @@ class FrameDifference:
 
 
 def frame_history(cache: ResponseCache, name: str) -> EngineHistory:
-    """Read the engine's history of a frame.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the histories are.
-    name : str
-        A name of `CASES`.
-
-    Returns
-    -------
-    EngineHistory
-        Drifts and accelerations, `COLUMNS`.
-
-    Raises
-    ------
-    InputError
-        When the file is missing or damaged.
-    """
+    """Read the engine's history of a frame."""
     return read(cache.validation / "opensees" / f"{name}.csv")
 
 
 def variant(case: Case, name: str) -> Case:
-    """Remove the parts that a variant lacks.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        A case of `CASES`.
-    name : str
-        A name of `VARIANTS`.
-
-    Returns
-    -------
-    rwmf.Case
-        The variant.
-    """
+    """Remove the parts that a variant lacks."""
     for group in VARIANTS[name]:
         case = case.without(group)
     return case
 
 
 def peaks_of(case: Case) -> Array:
-    """Simulate a frame for its largest drifts [-] and accelerations [g].
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        A variant of a case of `CASES`.
-
-    Returns
-    -------
-    numpy.ndarray, shape (12,)
-        In the order of `COLUMNS`, located between samples.
-    """
+    """Simulate a frame for its largest drifts [-] and accelerations [g]."""
     response = simulate(case)
     names = [*(f"storey_{i}_drift_max" for i in _FLOORS)]
     names += [f"floor_{i}_acceleration_max_g" for i in _FLOORS]
@@ -135,22 +93,7 @@ def peaks_of(case: Case) -> Array:
 
 
 def compare_frame(case: Case, engine: EngineHistory, peaks: Array) -> FrameDifference:
-    """Measure how far a frame is from an engine's.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        A case of `CASES`, with the interval of the engine's history.
-    engine : EngineHistory
-        The engine's history.
-    peaks : numpy.ndarray, shape (12,)
-        The engine's peaks between the rows of its history.
-
-    Returns
-    -------
-    FrameDifference
-        The measures.
-    """
+    """Measure how far a frame is from an engine's."""
     response = simulate(case)
     t = response["time"].values
     history = [
@@ -161,20 +104,7 @@ def compare_frame(case: Case, engine: EngineHistory, peaks: Array) -> FrameDiffe
 
 
 def write_peaks(path: Path, peaks: dict[str, Array]) -> None:
-    """Store the peaks of all variants.
-
-    Parameters
-    ----------
-    path : path
-        File to write.
-    peaks : dict of str to numpy.ndarray, each shape (12,)
-        Peaks by the name of the variant, in the order of `COLUMNS`.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
+    """Store the peaks of all variants."""
     lines = [",".join(["peak", *peaks])]
     for i, name in enumerate(COLUMNS[1:]):
         lines.append(",".join([name, *(f"{values[i]:.7g}" for values in peaks.values())]))
@@ -182,23 +112,7 @@ def write_peaks(path: Path, peaks: dict[str, Array]) -> None:
 
 
 def read_peaks(path: Path) -> dict[str, Array]:
-    """Read the peaks of all variants.
-
-    Parameters
-    ----------
-    path : path
-        File of `write_peaks`.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray, each shape (12,)
-        Peaks by the name of the variant, in the order of `COLUMNS`.
-
-    Raises
-    ------
-    InputError
-        When the file is missing or damaged.
-    """
+    """Read the peaks of all variants."""
     try:
         with path.open(encoding="utf-8", newline="") as stream:
             heads, *rows = csv.reader(stream)

@@ -21,15 +21,7 @@ _TITLES = ("El Centro, twice as strong", "one-sine pulse of 0.5 g")
 
 
 def draw(figure: Figure, cache: ResponseCache) -> None:
-    """Profiles of both cases with and without yielding and P-Delta, ours and OpenSees'.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where the cases and the peaks are.
-    """
+    """Profiles of both cases with and without yielding and P-Delta, ours and OpenSees'."""
     panels = figure.subplots(2, 2, sharey=True, sharex="row")
     for column, name in enumerate(CASES):
         case = Case.from_namelist(cache.validation / f"{name}.nml")

@@ -22,23 +22,7 @@ __all__ = ["storeys_table", "variants_table"]
 
 
 def storeys_table(cache: ResponseCache) -> Table:
-    """Compare drifts and accelerations storey by storey.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the cases and the histories are.
-
-    Returns
-    -------
-    Table
-        One row a storey, from the ground up.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the simulations and the readers of histories.
-    """
+    """Compare drifts and accelerations storey by storey."""
     heads = (
         "case",
         "storey",
@@ -67,23 +51,7 @@ def storeys_table(cache: ResponseCache) -> Table:
 
 
 def variants_table(cache: ResponseCache) -> Table:
-    """Print the effects of yielding and P-Delta, and the differences without them.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the cases and the peaks are.
-
-    Returns
-    -------
-    Table
-        One row a variant: largest drift and acceleration of all storeys, largest differences.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the simulations and the readers of peaks.
-    """
+    """Print the effects of yielding and P-Delta, and the differences without them."""
     heads = (
         "case",
         "with",

@@ -33,46 +33,19 @@ _LABEL = r"$u_{s,\max}$ (m)"
 
 
 def periods(form: Formulation) -> tuple[float, ...] | None:
-    """Return the periods of a drawn spectrum [s]; None for those of the case.
-
-    Parameters
-    ----------
-    form : Formulation
-        Formulation and restitution.
-
-    Returns
-    -------
-    tuple of float
-        Periods of the frame [s].
-    """
+    """Return the periods of a drawn spectrum [s]; None for those of the case."""
     return None if form is PUBLISHED else _FINE
 
 
 def draw_fig12(figure: Figure, cache: ResponseCache) -> None:
-    """Fig. 12: pulses side by side, a row for each form.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where responses come from.
-    """
+    """Fig. 12: pulses side by side, a row for each form."""
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     _draw_spectra(panels, cache, _PULSES)
     legend_below(figure, panels[0, 0], columns=6, title=NESTED)
 
 
 def draw_fig13(figure: Figure, cache: ResponseCache) -> None:
-    """Fig. 13: both walls side by side, a row for each form, and the record.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where responses come from.
-    """
+    """Fig. 13: both walls side by side, a row for each form, and the record."""
     grid = figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.5))
     panels = np.empty((2, 2), dtype=object)
     for i, j in np.ndindex(2, 2):
@@ -121,15 +94,7 @@ def _draw_record(ax: Axes, cache: ResponseCache) -> None:
 
 
 def draw_benefit(figure: Figure, cache: ResponseCache) -> None:
-    """Draw the largest displacement over that of the frame alone: below 1 the wall helps.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where responses come from.
-    """
+    """Draw the largest displacement over that of the frame alone: below 1 the wall helps."""
     panels = figure.subplots(4, 2, sharex=True, sharey=True)
     lines: dict[float, object] = {}
     for i, name in enumerate(SCENES):
@@ -162,15 +127,7 @@ def _draw_ratios(
 
 
 def draw_band(figure: Figure, cache: ResponseCache) -> None:
-    """Draw the band of the published spectra over the cables that Table 1 may have held.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        An empty figure.
-    cache : ResponseCache
-        Where responses come from.
-    """
+    """Draw the band of the published spectra over the cables that Table 1 may have held."""
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     for ax, letter, (name, title) in zip(panels.flat, "abcd", SCENES.items(), strict=True):
         _draw_bands(ax, cache, name)

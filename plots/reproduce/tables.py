@@ -51,36 +51,14 @@ class Table:
 
 
 def markdown(table: Table) -> str:
-    """Write a table for a Markdown page.
-
-    Parameters
-    ----------
-    table : Table
-        The table.
-
-    Returns
-    -------
-    str
-        Its lines.
-    """
+    """Write a table for a Markdown page."""
     rows: list[Sequence[str]] = [table.heads, ["---"] * len(table.heads), *table.rows]
     lines = ("| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in rows)
     return "\n".join(lines) + "\n"
 
 
 def claims_table(cache: ResponseCache) -> Table:
-    """Judge every claim.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-
-    Returns
-    -------
-    Table
-        Place, claim, criterion, numbers and verdicts for both forms.
-    """
+    """Judge every claim."""
     heads = (
         "#",
         "place",
@@ -110,18 +88,7 @@ def _claim_row(i: int, found: Judgement) -> tuple[str, ...]:
 
 
 def verdicts_table(claims: Table) -> Table:
-    """Count the verdicts.
-
-    Parameters
-    ----------
-    claims : Table
-        From `claims_table`.
-
-    Returns
-    -------
-    Table
-        Number of claims for each verdict and form.
-    """
+    """Count the verdicts."""
     columns = [[row[i].split(" (")[0] for row in claims.rows] for i in (5, 7)]
     words = ("reproduced", "not reproduced", "depends on Table 1")
     rows = [(word, *(str(column.count(word)) for column in columns)) for word in words]
@@ -129,18 +96,7 @@ def verdicts_table(claims: Table) -> Table:
 
 
 def differences_table(cache: ResponseCache) -> Table:
-    """Compare all variants with all engines.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the cases and the histories are.
-
-    Returns
-    -------
-    Table
-        Differences and whether they are within the tolerances.
-    """
+    """Compare all variants with all engines."""
     heads = (
         "case",
         "engine",
@@ -174,18 +130,7 @@ def _difference_row(row: Row) -> tuple[str, ...]:
 
 
 def tolerances_table(cache: ResponseCache) -> Table:
-    """List the criteria of agreement for every stored history.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the histories are.
-
-    Returns
-    -------
-    Table
-        One row a history.
-    """
+    """List the criteria of agreement for every stored history."""
     heads = ("case", "engine", "duration", "peaks, theta rms", "u_s rms", "impact time")
     rows: list[tuple[str, ...]] = []
     for name in VALIDATION:
@@ -205,25 +150,7 @@ def tolerances_table(cache: ResponseCache) -> Table:
 
 
 def contact_table(cache: ResponseCache, name: str) -> Table:
-    """Read how far the exact form is from an engine with other settings of the contact.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the tables of ``bench/calculix/variants.py`` and ``bench/opensees_contact.py`` are.
-    name : str
-        Which: ``calculix/variants.csv`` or ``opensees/contact.csv``.
-
-    Returns
-    -------
-    Table
-        One row a variant.
-
-    Raises
-    ------
-    InputError
-        When the table is missing.
-    """
+    """Read how far the exact form is from an engine with other settings of the contact."""
     path = cache.validation / name
     try:
         with path.open(encoding="utf-8", newline="") as stream:
@@ -234,18 +161,7 @@ def contact_table(cache: ResponseCache, name: str) -> Table:
 
 
 def restitution_table(cache: ResponseCache) -> Table:
-    """Find the restitution of engines with a rigid wall and compare it with the momentum balance.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the cases and the histories are.
-
-    Returns
-    -------
-    Table
-        Restitution that fits each engine best, that of the momentum balance, largest slips.
-    """
+    """Compare the restitution of engines with a rigid wall with the momentum balance."""
     rows: list[tuple[str, ...]] = []
     for name in VALIDATION:
         case = Case.from_namelist(cache.validation / f"{name}.nml")
@@ -266,18 +182,7 @@ def restitution_table(cache: ResponseCache) -> Table:
 
 
 def engines_table(cache: ResponseCache) -> Table:
-    """List the stored histories with the engine's version and parameters.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the histories are.
-
-    Returns
-    -------
-    Table
-        One row a history.
-    """
+    """List the stored histories with the engine's version and parameters."""
     rows: list[tuple[str, ...]] = []
     for name in VALIDATION:
         rows += [_engine_row(name, history) for history in stored(cache, name).values()]

@@ -54,18 +54,7 @@ _SOFT = {"g5": Tolerance(2e-2, 2e-2, 5e-4), "g1800": Tolerance(2e-2, 3e-3, 2e-3)
 
 
 def tolerance(engine: str, case: str) -> Tolerance:
-    """Return the criteria of agreement with the history of an engine for a case.
-
-    Parameters
-    ----------
-    engine, case : str
-        ``mujoco``, ``opensees`` or ``calculix``; name of the validation case.
-
-    Returns
-    -------
-    Tolerance
-        The tolerance.
-    """
+    """Return the criteria of agreement with the history of an engine for a case."""
     return {"mujoco": _RIGID, "opensees": _STIFF}.get(engine) or _SOFT[case]
 
 
@@ -105,20 +94,7 @@ class Row:
 
 
 def agrees(difference: Difference, allowed: Tolerance) -> bool:
-    """Tell whether a response is within a tolerance.
-
-    Parameters
-    ----------
-    difference : Difference
-        From `compare`.
-    allowed : Tolerance
-        From `tolerance`.
-
-    Returns
-    -------
-    bool
-        True when peaks, root-mean-square differences, the number and the instants of impacts are.
-    """
+    """Tell whether a response is within a tolerance."""
     relative = (difference.theta_rms, difference.theta_peak, difference.u_s_peak)
     # NaN where the scene lacks the quantity: without a frame, no displacement
     return (
@@ -130,23 +106,7 @@ def agrees(difference: Difference, allowed: Tolerance) -> bool:
 
 
 def measure(cache: ResponseCache) -> list[Row]:
-    """Compare every variant of the model with every stored history.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where the cases and the histories are.
-
-    Returns
-    -------
-    list of Row
-        Differences, by case, engine and variant.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the simulations and the reader of histories.
-    """
+    """Compare every variant of the model with every stored history."""
     rows = []
     for name in VALIDATION:
         case = Case.from_namelist(cache.validation / f"{name}.nml")
@@ -163,20 +123,7 @@ def measure(cache: ResponseCache) -> list[Row]:
 
 
 def fitted_restitution(case: Case, history: EngineHistory) -> float:
-    """Find the constant restitution with which the model is closest to an engine's history.
-
-    Parameters
-    ----------
-    case : Case
-        A validation case.
-    history : EngineHistory
-        The engine's history.
-
-    Returns
-    -------
-    float
-        Factor on the angular velocity that has the smallest root-mean-square difference [-].
-    """
+    """Find the constant restitution with which the model is closest to an engine's history."""
     allowed = float(simulate(case)["e_max"])
     fast = case.replace(solver={"method": "dop853"}, output={"dt": 2e-3})
 

@@ -64,6 +64,30 @@ def test_base_names_are_unique() -> None:
     assert {name for name in names if names.count(name) > 1} == {"__init__"}
 
 
+def test_no_circles() -> None:
+    """Modules that import each other, however indirectly, at the top of their files."""
+    modules = {path: _module(path) for path in DRIVER.rglob("*.py")}
+    arrows: dict[str, set[str]] = {}
+    for path, name in modules.items():
+        tops = ast.parse(path.read_text(encoding="utf-8")).body
+        used = [
+            (str(node.module), f"{node.module}.{item.name}")
+            for node in tops
+            if isinstance(node, ast.ImportFrom)
+            for item in node.names
+        ]
+        arrows[name] = {inner if inner in modules.values() else outer for outer, inner in used}
+    while free := [name for name, targets in arrows.items() if not targets & arrows.keys()]:
+        for name in free:
+            del arrows[name]
+    assert not arrows
+
+
+def _module(path: Path) -> str:
+    parts = path.relative_to(DRIVER.parent).with_suffix("").parts
+    return ".".join(parts).removesuffix(".__init__")
+
+
 def _names(path: Path) -> set[str]:
     """Words of the imports and of the texts of a file, where a module may be named."""
     tree = ast.parse(path.read_text(encoding="utf-8"))

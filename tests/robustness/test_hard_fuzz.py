@@ -187,11 +187,11 @@ def _make_results() -> dict[str, bytes]:
         Path(name).write_bytes(content)
     Path("other.nml").write_bytes(fuzz_calls.INPUTS["s.nml"].replace(b"0.9", b"0.7"))
     for words in (
-        "s.nml --file done.nc",
-        "other.nml --file another.nc",
-        "s.nml --file half.nc --part 1/2",
-        "s.nml --file half.nc --part 2/2",
-        "other.nml --file other.nc --part 1/2",
+        "s.nml --out done.nc",
+        "other.nml --out another.nc",
+        "s.nml --out half.nc --part 1/2",
+        "s.nml --out half.nc --part 2/2",
+        "other.nml --out other.nc --part 1/2",
     ):
         status, told = _call(lambda words=words: cli.main(["sweep", *words.split()]))
         assert status == 0, told

@@ -32,7 +32,7 @@ PYTHON = [sys.executable, "-m", "rwmf"]
 WORDS = {
     "batch": [BATCH, "case.nml"],
     "run": [*PYTHON, "run", "case.nml", "--out", "."],
-    "spectrum": [*PYTHON, "spectrum", "case.nml", "--csv", "case.spectrum.csv"],
+    "spectrum": [*PYTHON, "spectrum", "case.nml", "--out", "case.spectrum.csv"],
 }
 
 

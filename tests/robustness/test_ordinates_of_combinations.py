@@ -1,6 +1,6 @@
 """Ordinates of combinations that lanes once failed to compute, and their neighbours.
 
-The former have smooth hysteresis. bench/random_ordinates.py searches for more.
+The former have smooth hysteresis.
 """
 
 from __future__ import annotations

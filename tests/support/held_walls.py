@@ -92,6 +92,7 @@ class Walls:
     n: int = 1
 
     def __post_init__(self) -> None:
+        """Set angle, half diagonal, frequency and velocity factor."""
         self.alpha, self.radius = math.atan2(self.b, self.h), math.hypot(self.h, self.b)
         self.omega = 2 * math.pi / self.period
         square = math.sin(self.alpha) ** 2

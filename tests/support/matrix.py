@@ -340,17 +340,16 @@ def study_overturning(scene: Scene, _: Path) -> None:
         assert outcome == (SURVIVES if ending_of(run) == "ok" else run["impacts"])
 
 
-def study_suite(scene: Scene, _: Path) -> None:
-    """`studies.suite_spectra`."""
-    key, name = scene.peak
-    found = studies.suite_spectra(scene.case, scene.grid, scene.suite)
-    _same(found[name], scene.plain_recorded[key])
-
-
 def study_ida(scene: Scene, _: Path) -> None:
-    """`studies.incremental_dynamic_analysis`."""
+    """Levels of intensity in `sweep`."""
     key, name = scene.peak
-    found = studies.incremental_dynamic_analysis(scene.case, [0.5], scene.suite)
+    found = rwmf.sweep(
+        scene.case,
+        {"scale": [0.5]},
+        scene.suite,
+        quantities=name,
+        intensity="pseudo_acceleration" if scene.has_frame else "peak_acceleration",
+    )
     intensity = max(map(abs, samples()[1])) / _G
     if scene.has_frame:
         # a linear oscillator with the first period
@@ -369,33 +368,13 @@ def study_ida(scene: Scene, _: Path) -> None:
 def study_wall_effect(scene: Scene, _: Path) -> None:
     """`studies.wall_effect`."""
     found = studies.wall_effect(scene.case, scene.grid, scene.suite)
-    alone = scalars(studies.without_wall(scene.recorded))["u_s_max_m"]
+    alone = scalars(scene.recorded.without_wall())["u_s_max_m"]
     if scene.case.storeys is not None and scene.case.storeys.coupling == "every_floor":
         # the period that the floors have by themselves comes back to round-off
         np.testing.assert_allclose(found["u_s_max_alone"].squeeze(), alone, rtol=ROUND_OFF)
         alone = found["u_s_max_alone"].values
     _same(found["u_s_max_alone"], alone)
     _same(found["ratio"], scene.plain_recorded["u_s_max_m"] / alone)
-
-
-def study_friction(scene: Scene, _: Path) -> None:
-    """`studies.friction_spectra`."""
-    found = studies.friction_spectra(scene.case, scene.grid)
-    for name in ("friction_demand_max", "base_shear_max_over_weight"):
-        _same(found[name], scene.plain[name])
-
-
-def study_bands(scene: Scene, _: Path) -> None:
-    """`studies.sensitivity_bands`."""
-    group, key = ("frame", "xi_s") if scene.has_frame else ("model", "g")
-    values = [0.02, 0.08] if scene.has_frame else [9.7, 9.9]
-    # the size of a block stays, its 2 pi/p follows g
-    grid = scene.grid if scene.has_frame else {}
-    found = studies.sensitivity_bands(scene.case, grid, {key: values})
-    runs = [scalars(scene.case.replace(**{group: {key: value}})) for value in values]
-    peaks = [run[scene.peak[0]] for run in runs]
-    _same(found["lowest"], min(peaks))
-    _same(found["highest"], max(peaks))
 
 
 def study_equal_response(scene: Scene, _: Path) -> None:
@@ -633,11 +612,8 @@ PATHS: dict[str, Callable[[Scene, Path], None]] = {
     "sweep, points": run_points,
     "sweep, NetCDF": run_netcdf,
     "overturning": study_overturning,
-    "suite": study_suite,
     "fragility": study_ida,
     "wall effect": study_wall_effect,
-    "friction": study_friction,
-    "bands": study_bands,
     "equal response": study_equal_response,
     "stepping": step_own,
     "stepping, samples": step_samples,

@@ -40,14 +40,14 @@ _ENGINE = (
     "engines.write(Path('engine.csv'), {}, np.zeros((3, 6)))"
 )
 _STUDY = ["study", "wall", "case.nml", "--T_s", "0.5,1", "--gamma", "5"]
-_EXPORT = "records export elcentro record.csv --force"
+_EXPORT = "records export elcentro --out record.csv --force"
 WRITERS = {
     "run --plot": Writer([*RWMF, "run", "case.nml", "--plot", "run.svg"], ["run.svg"]),
     "run --loops": Writer([*RWMF, "run", "case.nml", "--loops", "loops.pdf"], ["loops.pdf"]),
     "run --out": Writer(
         [*RWMF, "run", "case.nml", "--out", "."], ["case.summary.csv", "case.history.csv"]
     ),
-    "spectrum --csv": Writer([*RWMF, "spectrum", "case.nml", "--csv", "s.csv"], ["s.csv"]),
+    "spectrum --out": Writer([*RWMF, "spectrum", "case.nml", "--out", "s.csv"], ["s.csv"]),
     "spectrum --plot": Writer([*RWMF, "spectrum", "case.nml", "--plot", "s.png"], ["s.png"]),
     "rwmf-batch": Writer(
         ["rwmf-batch", "case.nml"], ["case.summary.csv", "case.history.csv", "case.spectrum.csv"]
@@ -56,14 +56,14 @@ WRITERS = {
         ["rwmf-batch", "case.nml", "--part", "1/2"], ["case.part-1-of-2.spectrum.csv"]
     ),
     "sweep": Writer(
-        [*RWMF, "sweep", "sweep.nml", "--file", "out.nc"],
+        [*RWMF, "sweep", "sweep.nml", "--out", "out.nc"],
         ["out.nc"],
         through=False,
         needs="h5netcdf",
     ),
-    "merge": Writer([*RWMF, "merge", "whole.csv", "part1.csv"], ["whole.csv"]),
+    "merge": Writer([*RWMF, "sweep", "--out", "whole.csv", "--merge", "part1.csv"], ["whole.csv"]),
     "study": Writer(
-        [*RWMF, *_STUDY, "--file", "map.nc", "--plot", "map.svg"],
+        [*RWMF, *_STUDY, "--out", "map.nc", "--plot", "map.svg"],
         ["map.nc", "map.svg"],
         needs="h5netcdf",
     ),

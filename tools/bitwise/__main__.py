@@ -19,13 +19,7 @@ _DIGEST = REFERENCE / "bits.txt"
 
 
 def main() -> int:
-    """Compute the digest, and print, write or compare it.
-
-    Returns
-    -------
-    int
-        Exit status: 0, 1 when a bit has changed, 2 when the checkout is not built.
-    """
+    """Compute the digest, and print, write or compare it."""
     options = _read_options()
     started = time.monotonic()
     try:

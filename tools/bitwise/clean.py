@@ -10,18 +10,7 @@ VOLATILE = frozenset({"seconds", "estimate_seconds", "threads", "version", "effe
 
 
 def csv_text(path: Path) -> str:
-    """Read the numbers of a CSV file of rwmf.
-
-    Parameters
-    ----------
-    path : Path
-        Summary, history or spectrum.
-
-    Returns
-    -------
-    str
-        Name of the file, names of the columns, values; without head, times and warnings.
-    """
+    """Read the numbers of a CSV file of rwmf."""
     with path.open(encoding="utf-8", errors="surrogateescape", newline="") as file:
         rows = list(csv.reader(line for line in file if not line.startswith("#")))
     kept = [i for i, name in enumerate(rows[0]) if name not in VOLATILE]

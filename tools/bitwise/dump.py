@@ -14,18 +14,7 @@ __all__ = ["dump_dataset", "dump_value"]
 
 
 def dump_dataset(dataset: xr.Dataset) -> str:
-    """Write out the numbers of a dataset; units, labels and other texts are left out.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Any of the package.
-
-    Returns
-    -------
-    str
-        Dimensions and values of each coordinate and variable, then the attributes.
-    """
+    """Write out the numbers of a dataset; units, labels and other texts are left out."""
     parts = []
     for name, array in dataset.variables.items():
         parts += [f"{name} {dict(array.sizes)}", dump_value(array.values)]
@@ -33,18 +22,7 @@ def dump_dataset(dataset: xr.Dataset) -> str:
 
 
 def dump_value(value: object) -> str:
-    """Write out numbers; they round-trip to the same bits.
-
-    Parameters
-    ----------
-    value : object
-        Numbers, texts, arrays, lists and mappings of them.
-
-    Returns
-    -------
-    str
-        One line a value of an array's last axis or of a mapping; '' for a text and for a time.
-    """
+    """Write out numbers; they round-trip to the same bits."""
     if isinstance(value, Mapping):
         shown = {key: dump_value(item) for key, item in value.items() if key not in VOLATILE}
         return "\n".join(f"  {key}: {text}" for key, text in shown.items() if text)

@@ -22,18 +22,7 @@ _FEW = 24  # periods of a spectrum with a method that runs one after the other
 
 
 def rows(tree: Tree) -> Iterator[Row]:
-    """List the rows of the batch program.
-
-    Parameters
-    ----------
-    tree : Tree
-        The checkout.
-
-    Yields
-    ------
-    Row
-        One for each input or scene and method.
-    """
+    """List the rows of the batch program."""
     batch = tree.batch
     for i, path in enumerate(tree.inputs):
         yield from _of_input(batch, path, i % _QUICK_INPUT == 0)
@@ -78,22 +67,7 @@ def _of_scene(batch: Path, scene: Scene, number: int) -> Iterator[Row]:
 
 
 def run_words(batch: Path, words: tuple[str, ...], threads: int = 1) -> str:
-    """Run the batch program, which writes into the current folder.
-
-    Parameters
-    ----------
-    batch : Path
-        The program.
-    words : tuple of str
-        Its arguments.
-    threads : int
-        Threads of OpenMP.
-
-    Returns
-    -------
-    str
-        Exit status and the numbers of the files.
-    """
+    """Run the batch program, which writes into the current folder."""
     environment = os.environ | {"OMP_NUM_THREADS": str(threads)}
     done = subprocess.run([batch, *words], capture_output=True, env=environment, check=False)
     files = "".join(csv_text(path) for path in sorted(Path().glob("*.csv")))
@@ -101,22 +75,5 @@ def run_words(batch: Path, words: tuple[str, ...], threads: int = 1) -> str:
 
 
 def run_scene(batch: Path, scene: Scene, text: str, threads: int = 1) -> str:
-    """Run a scene in the current folder.
-
-    Parameters
-    ----------
-    batch : Path
-        The program.
-    scene : Scene
-        Folder of the records.
-    text : str
-        Text of the case.
-    threads : int
-        Threads of OpenMP.
-
-    Returns
-    -------
-    str
-        Exit status and the numbers of the files.
-    """
+    """Run a scene in the current folder."""
     return run_words(batch, (str(scene.put(text)),), threads)

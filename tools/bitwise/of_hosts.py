@@ -15,18 +15,7 @@ _WHOLE, _QUICK = 6, 5  # every so many scenes
 
 
 def rows(programs: Mapping[str, Path]) -> Iterator[Row]:
-    """List the rows of the hosts.
-
-    Parameters
-    ----------
-    programs : mapping
-        Compiled hosts by language.
-
-    Yields
-    ------
-    Row
-        One for each language, way of use, scene and method.
-    """
+    """List the rows of the hosts."""
     for language, program in programs.items():
         for i, scene in enumerate(scenes.read_scenes()):
             for kind, method in _questions(language, scene, i):
@@ -53,24 +42,7 @@ def _with_method(scene: Scene, method: str) -> str:
 
 
 def ask(program: Path, kind: str, scene: Scene, text: str) -> str:
-    """Run a host on a scene.
-
-    Parameters
-    ----------
-    program : Path
-        The host.
-    kind : str
-        Task of the host.
-    scene : Scene
-        Folder of the records.
-    text : str
-        Text of the case.
-
-    Returns
-    -------
-    str
-        Exit status and output.
-    """
+    """Run a host on a scene."""
     scene.put(text)
     found = subprocess.run(
         [program, kind, CASE], capture_output=True, encoding="utf-8", errors="replace", check=False

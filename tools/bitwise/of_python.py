@@ -36,13 +36,7 @@ _QUAD_RTOL = (1e-18, 1e-20)
 
 
 def rows() -> Iterator[Row]:
-    """List the rows of the Python package, but for sweeps and studies.
-
-    Yields
-    ------
-    Row
-        One for each question and scene.
-    """
+    """List the rows of the Python package, but for sweeps and studies."""
     every = scenes.read_scenes()
     by_name = {scene.name.removeprefix("special-"): scene for scene in every}
     for i, scene in enumerate(every):
@@ -68,38 +62,12 @@ def _of_spectrum(scene: Scene, *, is_quick: bool) -> Iterator[Row]:
 
 
 def simulate(scene: Scene) -> str:
-    """Run a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-
-    Returns
-    -------
-    str
-        The dataset.
-    """
+    """Run a scene."""
     return _answer_of(scene, lambda case: dump_dataset(rwmf.simulate(case, dt=0.025)))
 
 
 def spectrum(scene: Scene, method: str, threads: int) -> str:
-    """Compute a spectrum, once as the scene asks and once on a grid of the call.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    method : str
-        Name of the method.
-    threads : int
-        Threads.
-
-    Returns
-    -------
-    str
-        Both datasets.
-    """
+    """Compute a spectrum, once as the scene asks and once on a grid of the call."""
 
     def compute(case: rwmf.Case) -> str:
         case = case.replace(solver={"method": method})
@@ -113,18 +81,7 @@ def spectrum(scene: Scene, method: str, threads: int) -> str:
 
 
 def find_loops(scene: Scene) -> str:
-    """Find the loops of a scene's springs.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-
-    Returns
-    -------
-    str
-        Displacements, forces and work of each spring.
-    """
+    """Find the loops of a scene's springs."""
 
     def find(case: rwmf.Case) -> str:
         parts = []
@@ -137,18 +94,7 @@ def find_loops(scene: Scene) -> str:
 
 
 def measure_cost(scene: Scene) -> str:
-    """Return the result of `rwmf.cost` without times and results that depend on them.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-
-    Returns
-    -------
-    str
-        Reference, and errors and counts of every method.
-    """
+    """Return the result of `rwmf.cost` without times and results that depend on them."""
 
     def measure(case: rwmf.Case) -> str:
         found = rwmf.cost(_shortened(case)).to_dict()
@@ -160,18 +106,7 @@ def measure_cost(scene: Scene) -> str:
 
 
 def solve_in_quadruple(scene: Scene) -> str:
-    """Run a scene in quadruple precision.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-
-    Returns
-    -------
-    str
-        Values, and their differences between two tolerances.
-    """
+    """Run a scene in quadruple precision."""
 
     def solve(case: rwmf.Case) -> str:
         case = _shortened(case)

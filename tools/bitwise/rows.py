@@ -38,36 +38,12 @@ class Row:
 
 
 def digest_of(text: str) -> str:
-    """Hash a text.
-
-    Parameters
-    ----------
-    text : str
-        Result of a row's `answer`.
-
-    Returns
-    -------
-    str
-        The first digits of its SHA-256.
-    """
+    """Hash a text."""
     return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()[:_DIGITS]
 
 
 def compute(rows: Iterable[Row], tree: Tree) -> Iterator[tuple[str, str]]:
-    """Compute rows in two processes, in the order in which they become ready.
-
-    Parameters
-    ----------
-    rows : iterable of Row
-        Rows to compute.
-    tree : Tree
-        The checkout; its path is taken out of the texts.
-
-    Yields
-    ------
-    (str, str)
-        Key and text of a row. A row that failed unexpectedly has the exception as its text.
-    """
+    """Compute rows in two processes, in the order in which they become ready."""
     # spawn, never fork: a forked child hangs once OpenMP has run
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(_WORKERS, mp_context=context) as pool:

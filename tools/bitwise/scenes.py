@@ -43,18 +43,7 @@ class Scene:
         return bool(re.search(r"\b(accuracy|verify)\s*=", self.text))
 
     def put(self, text: str | None = None) -> Path:
-        """Write the case and its records into the current folder.
-
-        Parameters
-        ----------
-        text : str, optional
-            Another text of the case.
-
-        Returns
-        -------
-        Path
-            The namelist file.
-        """
+        """Write the case and its records into the current folder."""
         for name, content in self.files:
             Path(name).write_text(content, encoding="utf-8", newline="")
         path = Path(CASE)
@@ -63,18 +52,7 @@ class Scene:
 
 
 def read_scenes(path: Path = REFERENCE / _SCENES) -> list[Scene]:
-    """Read scenes: blocks ``=== name``, in them ``--- file NAME`` and ``--- case``.
-
-    Parameters
-    ----------
-    path : Path
-        The file; that of the scenes of the digest.
-
-    Returns
-    -------
-    list of Scene
-        In the order of the file.
-    """
+    """Read scenes: blocks ``=== name``, in them ``--- file NAME`` and ``--- case``."""
     with path.open(encoding="utf-8", newline="") as file:
         blocks = re.split(r"(?m)^=== ", file.read())[1:]
     return [_scene(block) for block in blocks]
@@ -88,18 +66,7 @@ def _scene(block: str) -> Scene:
 
 
 def from_input(path: Path) -> Scene:
-    """Make a scene of a shipped input: no comments, records by their full path.
-
-    Parameters
-    ----------
-    path : Path
-        The namelist file.
-
-    Returns
-    -------
-    Scene
-        Named as the file.
-    """
+    """Make a scene of a shipped input: no comments, records by their full path."""
     lines = path.read_text(encoding="utf-8").split("\n")
     text = "\n".join(_without_comment(line).rstrip() for line in lines)
 
@@ -120,22 +87,7 @@ def _without_comment(line: str) -> str:
 
 
 def with_solver(text: str, method: str, rtol: str | None = RTOL) -> str:
-    """Give a case another method, and a tolerance where it has none.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text without comments.
-    method : str
-        Name of the method.
-    rtol : str, optional
-        Relative tolerance, in the place of the case's own.
-
-    Returns
-    -------
-    str
-        The edited text.
-    """
+    """Give a case another method, and a tolerance where it has none."""
     text = re.sub(r"(?i),?\s*\bmethod\s*=\s*'[^']*'", "", text)
     keys = f"method = '{method}'"
     if rtol is not None and not re.search(r"\baccuracy\s*=", text):
@@ -147,85 +99,26 @@ def with_solver(text: str, method: str, rtol: str | None = RTOL) -> str:
 
 
 def with_interval(text: str, dt: str) -> str:
-    """Give the history of a case another interval, where it has one.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text without comments.
-    dt : str
-        Interval [s].
-
-    Returns
-    -------
-    str
-        The edited text.
-    """
+    """Give the history of a case another interval, where it has one."""
     return re.sub(r"(&output\b[^/]*?\bdt\s*=\s*)[^\s,/]+", rf"\g<1>{dt}", text)
 
 
 def without_spectrum(text: str) -> str:
-    """Take the spectrum out of a case.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text without comments.
-
-    Returns
-    -------
-    str
-        The edited text.
-    """
+    """Take the spectrum out of a case."""
     return re.sub(r"&spectrum\b[^/]*/", "", text)
 
 
 def with_fewer_periods(text: str, n: int) -> str:
-    """Give a grid of periods another number of them.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text without comments.
-    n : int
-        Number of periods.
-
-    Returns
-    -------
-    str
-        The edited text; a list of periods stays.
-    """
+    """Give a grid of periods another number of them."""
     return re.sub(r"(&spectrum\b[^/]*?\bn\s*=\s*)\d+", rf"\g<1>{n}", text)
 
 
 def has_period(text: str) -> bool:
-    """Tell whether a case describes one structure: without a frame, or with one that has a period.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text without comments.
-
-    Returns
-    -------
-    bool
-        Whether it can be run without its spectrum.
-    """
+    """Tell whether a case describes one structure: no frame, or one that has a period."""
     is_frame = "&frame" in text
     return not is_frame or "&storeys" in text or bool(re.search(r"&frame\b[^/]*\bT_s\s*=", text))
 
 
 def without_output(text: str) -> str:
-    """Take the output group out of a case.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text without comments.
-
-    Returns
-    -------
-    str
-        The edited text.
-    """
+    """Take the output group out of a case."""
     return re.sub(r"&output\b[^/]*/", "", text)

@@ -65,20 +65,7 @@ class Tree:
 
 
 def compile_hosts(tree: Tree, folder: Path) -> dict[str, Path]:
-    """Compile the host programs in Fortran and C against the library.
-
-    Parameters
-    ----------
-    tree : Tree
-        The checkout.
-    folder : Path
-        Where the programs are put.
-
-    Returns
-    -------
-    dict
-        Programs by language: 'fortran', 'c'.
-    """
+    """Compile the host programs in Fortran and C against the library."""
     here = Path(__file__).parent
     programs = {"fortran": folder / "host_fortran", "c": folder / "host_c"}
     library = [str(tree.library), "-llapack", "-lblas", "-lquadmath", "-fopenmp"]

@@ -15,13 +15,7 @@ REFERENCE = ROOT / "tests" / "reference" / "instruction_counts.txt"
 
 
 def main() -> int:
-    """Count, and compare or record.
-
-    Returns
-    -------
-    int
-        Exit status: 0, 1 when a call has grown, 2 when nothing could be counted or recorded.
-    """
+    """Count, and compare or record."""
     options = _read_options()
     names, reason = options.name, ""
     if options.accept:

@@ -71,18 +71,7 @@ class Call(NamedTuple):
         return "batch" if self.kind == "batch" else "python"
 
     def write(self, folder: Path) -> Path:
-        """Write the case.
-
-        Parameters
-        ----------
-        folder : path
-            Where the file is made.
-
-        Returns
-        -------
-        path
-            The file.
-        """
+        """Write the case."""
         path = folder / f"{self.name}.nml"
         path.write_text("\n".join(self.groups) + "\n", encoding="utf-8")
         return path
@@ -131,15 +120,7 @@ NAMES = tuple(call.name for call in CALLS)
 
 
 def write_record(source: Path, folder: Path) -> None:
-    """Cut the exported record of El Centro (two columns, time in s) for the cases in a folder.
-
-    Parameters
-    ----------
-    source : path
-        The whole record.
-    folder : path
-        Folder of the cases.
-    """
+    """Cut the exported record of El Centro (two columns, time in s) for the cases in a folder."""
     lines = source.read_text(encoding="utf-8").splitlines()
     kept = [line for line in lines if not line.startswith("#")]
     head, samples = kept[0], kept[1:]

@@ -50,18 +50,7 @@ class Ledger:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Read a file; none is an empty ledger.
-
-        Parameters
-        ----------
-        path : path
-            The file.
-
-        Returns
-        -------
-        Ledger
-            Its contents.
-        """
+        """Read a file; none is an empty ledger."""
         ledger = cls()
         name = ""
         for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else ():
@@ -78,13 +67,7 @@ class Ledger:
         return ledger
 
     def write(self, path: Path) -> None:
-        """Write a file.
-
-        Parameters
-        ----------
-        path : path
-            The file.
-        """
+        """Write a file."""
         lines = [f"{key}\t{value}" for key, value in self.setting.items()]
         lines.append("")
         for name in NAMES:
@@ -94,20 +77,7 @@ class Ledger:
         path.write_text(_HEAD + "\n".join(lines) + "\n", encoding="utf-8")
 
     def differences(self, setting: Mapping[str, str], name: str) -> list[str]:
-        """List the differences from the recorded setting that affect a call.
-
-        Parameters
-        ----------
-        setting : mapping of str to str
-            Present conditions of the counts.
-        name : str
-            Name of the call.
-
-        Returns
-        -------
-        list of str
-            One text for each difference.
-        """
+        """List the differences from the recorded setting that affect a call."""
         is_python = any(call.name == name and call.program == "python" for call in CALLS)
         return [
             f"{key}: counts are of '{self.setting[key]}', here is '{value}'"
@@ -117,18 +87,7 @@ class Ledger:
         ]
 
     def grown(self, counts: Mapping[str, int]) -> list[str]:
-        """Say which calls have grown by more than the limit, or were never recorded.
-
-        Parameters
-        ----------
-        counts : mapping of str to int
-            Measured counts.
-
-        Returns
-        -------
-        list of str
-            A line each.
-        """
+        """Say which calls have grown by more than the limit, or were never recorded."""
         lines = []
         for name, new in counts.items():
             old = self.counts.get(name)
@@ -146,22 +105,6 @@ class Ledger:
         """Record counts in the place of older ones.
 
         A count that is the same but for noise stays, so that small growth cannot add up.
-
-        Parameters
-        ----------
-        measured : mapping of str to int
-            New counts.
-        setting : mapping of str to str
-            Conditions of the counts.
-        reason : str
-            Reason for the growth of counts; '' without growth.
-
-        Raises
-        ------
-        ReasonMissingError
-            When something has grown and there is no reason.
-        OtherSettingError
-            When only a part of the counts would belong to the new setting.
         """
         reason = " ".join(reason.split())
         kept = self.counts.keys() - measured.keys()
@@ -188,23 +131,7 @@ class Ledger:
 
 
 def names_of(words: Iterable[str]) -> list[str]:
-    """Return names of calls; ``all`` or an empty list selects every call.
-
-    Parameters
-    ----------
-    words : iterable of str
-        As typed.
-
-    Returns
-    -------
-    list of str
-        In the order of the ledger.
-
-    Raises
-    ------
-    KeyError
-        With the word that names no call.
-    """
+    """Return names of calls; ``all`` or an empty list selects every call."""
     requested = set(words)
     for word in requested - {"all"}:
         if word not in NAMES:

@@ -101,13 +101,7 @@ class Build(NamedTuple):
         return next(found, self.folder / "src" / "bindings" / "python" / "_kernel.so")
 
     def check(self) -> None:
-        """Check that no program is missing or older than one of its sources.
-
-        Raises
-        ------
-        StaleBuildError
-            With a remedy.
-        """
+        """Check that no program is missing or older than one of its sources."""
         kernel = self.root / "src" / "rwmf"
         bench = self.root / "bench"
         parts = {
@@ -129,18 +123,7 @@ class Build(NamedTuple):
                     )
 
     def setting(self) -> dict[str, str]:
-        """Compiler, flags and libraries of the build.
-
-        Returns
-        -------
-        dict of str to str
-            Conditions that another machine must share for comparable counts.
-
-        Raises
-        ------
-        StaleBuildError
-            When there is no build.
-        """
+        """Compiler, flags and libraries of the build."""
         info = self.folder / "meson-info"
         try:
             compilers = json.loads((info / "intro-compilers.json").read_text(encoding="utf-8"))
@@ -161,25 +144,7 @@ class Build(NamedTuple):
 
 
 def measure(build: Build, names: Iterable[str]) -> Measured:
-    """Count calls.
-
-    Parameters
-    ----------
-    build : Build
-        The build.
-    names : iterable of str
-        The calls.
-
-    Returns
-    -------
-    Measured
-        Setting and counts.
-
-    Raises
-    ------
-    ValgrindMissingError, StaleBuildError, UnmeasurableError
-        When something is missing or a program fails.
-    """
+    """Count calls."""
     if not shutil.which("valgrind"):
         raise ValgrindMissingError("valgrind is missing (Debian: apt-get install valgrind)")
     build.check()

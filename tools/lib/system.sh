@@ -3,7 +3,7 @@
 #
 # LAPACK is the reference implementation and not OpenBLAS: the matrices have as many rows as a frame
 # has storeys, so speed is not at stake, while OpenBLAS chooses its kernels by processor (other last
-# digits on another machine) and brings threads of its own into our OpenMP loop.
+# digits on another machine) and brings further threads into our OpenMP loop.
 
 has_library() { [[ "$(gcc -print-file-name="$1" 2>/dev/null)" == /* ]]; }
 

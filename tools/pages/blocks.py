@@ -76,30 +76,13 @@ class Block:
 
 
 def pages() -> list[Path]:
-    """List all pages with blocks.
-
-    Returns
-    -------
-    list of Path
-        README.md and the pages of docs/, sorted.
-    """
+    """List all pages with blocks."""
     found = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
     return [path for path in found if "```" in path.read_text(encoding="utf-8")]
 
 
 def blocks_of(text: str) -> list[Block]:
-    """Find the blocks of a page.
-
-    Parameters
-    ----------
-    text : str
-        The page.
-
-    Returns
-    -------
-    list of Block
-        In their order.
-    """
+    """Find the blocks of a page."""
     fences = list(_FENCE.finditer(text))
     blocks = []
     for fence, after in zip_longest(fences, fences[1:]):
@@ -114,37 +97,13 @@ def blocks_of(text: str) -> list[Block]:
 
 
 def code_of(page: Path) -> str:
-    """Text of the blocks of a page and names of its figures, without the prose.
-
-    Parameters
-    ----------
-    page : Path
-        The page.
-
-    Returns
-    -------
-    str
-        The text, which changes when the blocks must run again.
-    """
+    """Text of the blocks of a page and names of its figures, without the prose."""
     text = page.read_text(encoding="utf-8")
     return "\n".join(map(str, [*blocks_of(text), *_figures_of(page, text)]))
 
 
 def run_page(page: Path, folder: Path) -> None:
-    """Run every block of a page.
-
-    Parameters
-    ----------
-    page : Path
-        The page.
-    folder : Path
-        Empty folder to run in; it holds the inputs of the repository, too.
-
-    Raises
-    ------
-    PageError
-        For the first block whose result differs from the page.
-    """
+    """Run every block of a page."""
     shutil.copytree(ROOT / "inputs", folder / "inputs")
     names: dict[str, object] = {}
     with contextlib.chdir(folder):
@@ -158,20 +117,7 @@ def run_page(page: Path, folder: Path) -> None:
 
 
 def run_block(block: Block, names: dict[str, object]) -> None:
-    """Run or check one block in the present folder.
-
-    Parameters
-    ----------
-    block : Block
-        The block.
-    names : dict
-        Names of the Python blocks before it, to which it adds its own.
-
-    Raises
-    ------
-    PageError
-        When its result differs from the page.
-    """
+    """Run or check one block in the present folder."""
     if block.language not in _RUN_BY:
         raise PageError(f"a block of the language '{block.language}':\n{block.text}")
     if block.name and (ROOT / block.name).is_file():
@@ -218,23 +164,7 @@ def _run_console(text: str) -> None:
 
 
 def commands_of(text: str) -> list[tuple[str, str]]:
-    """Split a console block into its commands.
-
-    Parameters
-    ----------
-    text : str
-        Lines of the block.
-
-    Returns
-    -------
-    list of (str, str)
-        Each command, with its lines continued by a backslash, and its output.
-
-    Raises
-    ------
-    PageError
-        If the block begins without a command.
-    """
+    """Split a console block into its commands."""
     found: list[tuple[str, str]] = []
     goes_on = False
     for line in text.splitlines():
@@ -251,18 +181,7 @@ def commands_of(text: str) -> list[tuple[str, str]]:
 
 
 def environment(words: str) -> dict[str, str]:
-    """Make the environment of a reader: the commands of .venv, where things are.
-
-    Parameters
-    ----------
-    words : str
-        Command; the library is installed if it names ``$PREFIX``.
-
-    Returns
-    -------
-    dict
-        Variables by name.
-    """
+    """Make the environment of a reader: the commands of .venv, where things are."""
     places = {
         "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ['PATH']}",
         "CHECKOUT": str(ROOT),
@@ -353,20 +272,7 @@ def _tested_sources() -> str:
 
 
 def compare(found: str, expected: str) -> None:
-    """Compare word by word; `...` matches any words.
-
-    Parameters
-    ----------
-    found : str
-        The output.
-    expected : str
-        The output on the page.
-
-    Raises
-    ------
-    PageError
-        When they differ.
-    """
+    """Compare word by word; `...` matches any words."""
     if not _matches(found.split(), expected.split()):
         raise PageError(f"printed:\n{found}\nthe page says:\n{expected}")
 
@@ -382,15 +288,7 @@ def _matches(found: list[str], expected: list[str]) -> bool:
 
 
 def keep_figures(page: Path, folder: Path) -> None:
-    """Keep the pictures that the blocks have drawn, for the page that shows them.
-
-    Parameters
-    ----------
-    page : Path
-        The page.
-    folder : Path
-        Where its blocks were run.
-    """
+    """Keep the pictures that the blocks have drawn, for the page that shows them."""
     target = page.parent / FIGURES / page.stem
     for name in _figures_of(page, page.read_text(encoding="utf-8")):
         target.mkdir(parents=True, exist_ok=True)

@@ -13,13 +13,7 @@ _REMOTE_STYLE = re.compile(r"(?:url\(|@import)\s*['\"]?(?:https?:)?//")
 
 
 class Page(HTMLParser):
-    """A page with its targets, its links and its loaded files.
-
-    Parameters
-    ----------
-    path : Path
-        Its file.
-    """
+    """A page with its targets, its links and its loaded files."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -31,15 +25,7 @@ class Page(HTMLParser):
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Take note of a tag.
-
-        Parameters
-        ----------
-        tag : str
-            Its name.
-        attrs : list of tuple
-            Its attributes.
-        """
+        """Take note of a tag."""
         values = dict(attrs)
         self.is_called |= tag == "title"
         self.names.update(filter(None, (values.get("id"), values.get("name"))))
@@ -50,13 +36,7 @@ class Page(HTMLParser):
 
 
 class Site:
-    """A folder of pages.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-    """
+    """A folder of pages."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -67,13 +47,7 @@ class Site:
         return {path: Page(path) for path in sorted(self.folder.rglob("*.html"))}
 
     def faults(self) -> list[str]:
-        """Find the errors of the page.
-
-        Returns
-        -------
-        list of str
-            A line for each fault.
-        """
+        """Find the errors of the page."""
         found = []
         for page in self.pages.values():
             where = page.path.relative_to(self.folder)
@@ -102,16 +76,5 @@ class Site:
 
 
 def faults_of(folder: Path) -> list[str]:
-    """Find the errors of a site.
-
-    Parameters
-    ----------
-    folder : Path
-        The site.
-
-    Returns
-    -------
-    list of str
-        A line for each fault; none when all is well.
-    """
+    """Find the errors of a site."""
     return Site(folder.resolve()).faults()

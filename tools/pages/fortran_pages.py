@@ -56,22 +56,7 @@ Every module of the kernel with its public names. A host program needs the facad
 
 
 def build(output: Path, work: Path, version: str) -> list[str]:
-    """Build the pages.
-
-    Parameters
-    ----------
-    output : Path
-        Folder of the pages.
-    work : Path
-        Folder for templates and settings.
-    version : str
-        Version of the kernel.
-
-    Returns
-    -------
-    list of str
-        FORD's warnings: none when all is well.
-    """
+    """Build the pages."""
     shutil.rmtree(work, ignore_errors=True)
     (work / "media").mkdir(parents=True)
     for name, path in _MEDIA.items():

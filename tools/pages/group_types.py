@@ -45,13 +45,7 @@ _WIDTH = 100
 
 
 def make() -> str:
-    """Make the module.
-
-    Returns
-    -------
-    str
-        Its source: a class for each group, with an annotation for each key.
-    """
+    """Make the module."""
     parts = [_HEAD]
     names = {}
     for name, rows in groupby(_library.schema(), key=lambda row: row.group):

@@ -29,13 +29,7 @@ keys need its mass: `m_w`, or `density` and `thickness`, of `&wall`.
 
 
 def make() -> str:
-    """Make the page in Markdown.
-
-    Returns
-    -------
-    str
-        One table for each group, in the order of the kernel's table.
-    """
+    """Make the page in Markdown."""
     parts = [_INTRODUCTION]
     for group, found in groupby(_library.schema(), key=lambda row: row.group):
         keys = list(found)

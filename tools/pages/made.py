@@ -55,13 +55,7 @@ _DEFINITION = (
 
 
 def command_page() -> str:
-    """Make the reference of the commands.
-
-    Returns
-    -------
-    str
-        The page in Markdown.
-    """
+    """Make the reference of the commands."""
     parts = [_COMMANDS]
     for name, parser in _commands("rwmf", make_parser()):
         about = textwrap.fill(parser.description or "", _WIDTH, break_on_hyphens=False)
@@ -108,13 +102,7 @@ def _batch_section() -> str:
 
 
 def facade_page() -> str:
-    """Make the reference of the module `rwmf`.
-
-    Returns
-    -------
-    str
-        The page in Markdown.
-    """
+    """Make the reference of the module `rwmf`."""
     source = (ROOT / "src" / "rwmf.f90").read_text(encoding="utf-8")
     uses = source[source.index("\nmodule rwmf") : source.index("implicit none")]
     parts = [_FACADE]

@@ -45,18 +45,7 @@ _FONT = (
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Register the renderer `mathml`.
-
-    Parameters
-    ----------
-    app : Sphinx
-        The application.
-
-    Returns
-    -------
-    dict
-        Metadata of the extension for Sphinx.
-    """
+    """Register the renderer `mathml`."""
     app.add_html_math_renderer("mathml", (_visit_inline, None), (_visit_block, None))
     app.connect("config-inited", _add_font)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

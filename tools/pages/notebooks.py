@@ -49,18 +49,7 @@ Run its cells in order, in an empty folder. It needs Linux and the packages
 
 
 def is_offered(page: Path) -> bool:
-    """Check whether a page offers itself as a notebook.
-
-    Parameters
-    ----------
-    page : Path
-        The page.
-
-    Returns
-    -------
-    bool
-        True if it links to its notebook.
-    """
+    """Check whether a page offers itself as a notebook."""
     return f"]({_place(page)})" in page.read_text(encoding="utf-8")
 
 
@@ -69,20 +58,7 @@ def _place(page: Path) -> str:
 
 
 def run_page(page: Path, folder: Path) -> None:
-    """Run a page as a notebook and write it as PAGE.ipynb.
-
-    Parameters
-    ----------
-    page : Path
-        The page.
-    folder : Path
-        Empty folder to run in; it holds the inputs of the repository, too.
-
-    Raises
-    ------
-    blocks.PageError
-        For the first block whose result differs from the page.
-    """
+    """Run a page as a notebook and write it as PAGE.ipynb."""
     import nbformat
 
     shutil.copytree(blocks.ROOT / "inputs", folder / "inputs")

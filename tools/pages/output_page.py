@@ -73,7 +73,7 @@ _SECTIONS = {
     "run": "Scalars of a run\n\n`rwmf run --json`, `CASE.summary.csv`",
     "spectrum": "Spectra\n\n`rwmf spectrum --json`, `CASE.spectrum.csv`",
     "ordinate": "Ordinates of a spectrum\n\nRequest them by `&spectrum quantities`, `rwmf spectrum "
-    "--quantity` or\n`rwmf.spectrum(case, quantities=[...])`; a Fortran host finds them in "
+    "--quantities` or\n`rwmf.spectrum(case, quantities=[...])`; a Fortran host finds them in "
     "`values` of `spectrum_t`.\nYes is 1, no is 0, and the time of an event that did not happen is "
     "NaN. `&output` needs only\n`friction_limit`. In Python each quantity is a variable under its "
     "name, or under its key",
@@ -83,13 +83,7 @@ _SECTIONS = {
 
 
 def make() -> str:
-    """Make the page in Markdown.
-
-    Returns
-    -------
-    str
-        One table for each output, in the order of the kernel's table.
-    """
+    """Make the page in Markdown."""
     parts = [_INTRODUCTION.rstrip("\n")]
     for output, title in _SECTIONS.items():
         parts.append(f"\n## {title}.\n\n| key | name | type | unit | meaning | found | present |")

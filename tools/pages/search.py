@@ -37,18 +37,7 @@ _BLOCKS = (nodes.paragraph, nodes.term, nodes.literal_block, nodes.row, nodes.ca
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Register the extension.
-
-    Parameters
-    ----------
-    app : Sphinx
-        The application.
-
-    Returns
-    -------
-    dict
-        Properties of the extension.
-    """
+    """Register the extension."""
     app.connect("build-finished", _write_sections)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 

@@ -35,13 +35,7 @@ _SHOWN = (
 
 
 def main() -> int:
-    """Build the changed parts; the exit status is 1 for an error in a page.
-
-    Returns
-    -------
-    int
-        Exit status.
-    """
+    """Build the changed parts; the exit status is 1 for an error in a page."""
     if not SITE.is_dir():
         shutil.rmtree(BUILD, ignore_errors=True)
     if "--made" in sys.argv[1:]:
@@ -82,18 +76,7 @@ def _run_parts() -> None:
 
 
 def run_blocks(page: Path) -> None:
-    """Run the blocks of a page and keep the figures that they draw, unless nothing has changed.
-
-    Parameters
-    ----------
-    page : Path
-        The page.
-
-    Raises
-    ------
-    PageError
-        For the first block whose result differs from the page.
-    """
+    """Run the blocks of a page and keep the figures that they draw, unless nothing has changed."""
     # a notebook holds the prose of its page as well
     is_notebook = notebooks.is_offered(page)
 
@@ -107,24 +90,7 @@ def run_blocks(page: Path) -> None:
 
 
 def step(name: str, run: Callable[[], None], inputs: Iterable[Path], text: str = "") -> None:
-    """Do one step unless its inputs are those of its last success.
-
-    Parameters
-    ----------
-    name : str
-        Name of the step.
-    run : callable
-        Its work.
-    inputs : iterable of Path
-        Files that it depends on.
-    text : str
-        Text that it depends on.
-
-    Raises
-    ------
-    PageError
-        From the work, with the name of the step.
-    """
+    """Do one step unless its inputs are those of its last success."""
     BUILD.mkdir(parents=True, exist_ok=True)
     key = hashlib.sha256(text.encode())
     for path in sorted(set(inputs)):

@@ -14,27 +14,12 @@ from rwmf._checks.checks import PERCENTILES, Checks, LimitCheck
 from rwmf._files import files
 from rwmf.quantities import find_numbered
 
-__all__ = ["text_of", "write_csv"]
-
 # ratios from here on have four digits
 _LONG = 1e4
 
 
 def text_of(found: Checks, *, is_all: bool = False) -> str:
-    """Return checks as a table.
-
-    Parameters
-    ----------
-    found : Checks
-        The checks.
-    is_all : bool
-        Show every floor and storey instead of the one with the largest ratio.
-
-    Returns
-    -------
-    str
-        A line for each demand; that of a suite has ratios of percentiles and the share above.
-    """
+    """Return checks as a table."""
     rows = [_title_row(found)]
     for at, part in groupby(found.rows, key=lambda row: row.at):
         if at:
@@ -122,20 +107,7 @@ def _show(value: Any) -> str:  # noqa: ANN401 (a number or a text)
 
 
 def write_csv(found: Checks, path: str | os.PathLike[str]) -> None:
-    """Write checks as CSV, one row for each limit, floor, storey and point of a grid.
-
-    Parameters
-    ----------
-    found : Checks
-        The checks.
-    path : str or path
-        File to write.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
+    """Write checks as CSV, one row for each limit, floor, storey and point of a grid."""
     rows = [row.to_dict() for row in found.rows]
     text = io.StringIO()
     writer = csv.DictWriter(text, list(dict.fromkeys(key for row in rows for key in row)))

@@ -14,15 +14,76 @@ import xarray as xr
 
 from rwmf._arguments import case_of, dataset_of
 from rwmf._numbers import show
+from rwmf._pushover import columns_by_key
 from rwmf._response import Response
 from rwmf.case import Case, CaseLike
-from rwmf.case.heights import heights_of_storeys
+from rwmf.case.grid import heights_of_storeys
 from rwmf.errors import InputError
 from rwmf.quantities import ENDINGS, Quantity, ending_of, find_numbered, names_by_key
 
-__all__ = ["PERCENTILES", "Checks", "Limit", "LimitCheck", "checks", "limits_of"]
-
 Array = npt.NDArray[np.float64]
+# a protocol often ends at a limit: round-off does not exceed it
+_ROUND_OFF = 1e-12
+
+
+def crossings_of(case: Case, curve: xr.Dataset) -> list[tuple[str, int, float]]:
+    """Find where a curve first exceeds the limits of a case."""
+    columns = columns_by_key(curve)
+    found = []
+    for limit in limits_of(case):
+        demand = demand_along(case, columns, limit.key)
+        if demand is None:
+            continue
+        ratios = ratios_of(limit, demand)
+        drift = drift_at_limit(ratios, columns["roof_drift"])
+        if not math.isnan(drift):
+            found.append((f"limit_{limit.key}", int(np.argmax(ratios > 1)), drift))
+    return found
+
+
+def drift_at_limit(ratios: Array, drift: Array) -> float:
+    """Return the drift of the roof at which a ratio first exceeds 1."""
+    above = np.flatnonzero(ratios > 1)
+    if not above.size:
+        return math.nan
+    step = above[0]
+    if step == 0:
+        return float(drift[0])
+    before, after = ratios[step - 1], ratios[step]
+    share = (1 - before) / (after - before) if math.isfinite(after) else 0.0
+    return float(drift[step - 1] + share * (drift[step] - drift[step - 1]))
+
+
+def ratios_of(limit: Limit, demand: Array) -> Array:
+    """Return the ratio of demand over limit at every step; round-off does not exceed a limit."""
+    ratios = np.asarray(limit.ratio(demand), dtype=np.float64)
+    return np.where(np.abs(ratios - 1) < _ROUND_OFF, 1.0, ratios)
+
+
+def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | None:
+    """Return a demand at every step."""
+    name = key.replace("_max", "").replace("_min", "")
+    if name in columns:
+        return columns[name]
+    if name == "storey_drift":
+        storeys = [values for item, values in columns.items() if _is_drift_of_storey(item)]
+        return np.asarray(np.max(np.abs(storeys), axis=0)) if storeys else None
+    if name == "theta_over_alpha":
+        return columns["theta_rad"] / math.atan2(case.wall.b, case.wall.h)
+    for beginning in ("tendon_force", "cable_force_increment"):
+        if name.startswith(beginning):
+            force = columns.get(name.replace(beginning, "cable_force"))
+            if force is None or beginning == "tendon_force":
+                return force
+            # without load the wall stands and the cable has its prestress
+            return np.asarray(force - force[0])
+    return None
+
+
+def _is_drift_of_storey(key: str) -> bool:
+    return key.startswith("storey_") and key.endswith("_drift")
+
+
 # median, one standard deviation of a normal distribution on both sides, and the largest [%]
 PERCENTILES = (16.0, 50.0, 84.0, 100.0)
 # dimensions whose runs are a suite, in this order
@@ -58,18 +119,7 @@ class Limit:
         return self.key in _SMALLEST
 
     def ratio(self, demand: Any) -> Any:  # noqa: ANN401 (a number or an array)
-        """Return demand over limit, or limit over demand where the smallest demand counts.
-
-        Parameters
-        ----------
-        demand : float or numpy.ndarray of any shape
-            Demand in its unit.
-
-        Returns
-        -------
-        float or numpy.ndarray of any shape
-            The ratio: the limit is met up to 1.
-        """
+        """Return demand over limit, or limit over demand where the smallest demand counts."""
         if not self.is_least:
             return np.abs(demand) / self.value
         with np.errstate(divide="ignore"):
@@ -254,18 +304,7 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
 
 
 def limits_of(case: Case) -> list[Limit]:
-    """Return the limits of a case, one for each floor or storey.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    list of Limit
-        In the order of the table of quantities; empty without ``&limits``.
-    """
+    """Return the limits of a case, one for each floor or storey."""
     found = []
     for key in case.kernel.limited_demands():
         quantity, number = find_numbered(key)
@@ -319,8 +358,6 @@ def _check(
 
 def _checks_of_curve(case: Case, limits: list[Limit], curve: xr.Dataset) -> Checks:
     """Check the largest demands of a static curve."""
-    from rwmf._checks.static_demands import columns_by_key, demand_along, drift_at_limit, ratios_of
-
     columns = columns_by_key(dataset_of(curve, "rwmf.pushover", "roof_drift"))
     heights = _heights(case, limits)
     rows, absent = [], []

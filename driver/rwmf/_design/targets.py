@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,83 @@ import numpy.typing as npt
 
 from rwmf._checks.checks import Limit, limits_of
 from rwmf._numbers import show, to_array, to_items, to_number
+from rwmf._sweep import sweep
 from rwmf._sweep.axes import PAIRS, SCALE, SETTINGS, column_in, key_of_column, kind_of
-from rwmf._sweep.kept_quantities import find_quantities
+from rwmf._sweep.intensity import default_quantity, find_quantities, refuse_missing
+from rwmf._sweep.plan import united
+from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.sweep_file import located
 from rwmf.case import Case
 from rwmf.errors import InputError
+from rwmf.quantities import ENDINGS
 
-__all__ = ["COLLAPSE", "Cost", "Target", "Variable", "cost_of", "targets_of", "variables_of"]
+# designs of the first stage without the group
+DESIGNS = 300
+_PERCENTILE = 84.0
+
+
+@dataclass(frozen=True)
+class DesignRequest:
+    """Arguments of `rwmf.design` that a case gives.
+
+    Attributes
+    ----------
+    bounds : dict of str to (float, float)
+        Lower and upper bound by key.
+    targets : tuple of dict
+        Limits of the case, and the probability of collapse.
+    cost : dict of str to float
+        Weights by key.
+    records : tuple of str
+        Files or patterns from the current folder.
+    left_out : tuple of str or None
+        Records that judge the design; None for every fourth one.
+    unit : str or None
+        Unit of the records.
+    designs : int
+        Number of designs of the first stage.
+    """
+
+    bounds: dict[str, tuple[float, float]]
+    targets: tuple[dict[str, Any], ...]
+    cost: dict[str, float]
+    records: tuple[str, ...]
+    left_out: tuple[str, ...] | None
+    unit: str | None
+    designs: int
+
+
+def request_of(case: Case) -> DesignRequest | None:
+    """Read the group `&design` of a case."""
+    group = case.design
+    if group is None:
+        return None
+    names = group.parameters
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise InputError(f"parameters: {twice[0]}: is given twice")
+    targets: list[dict[str, Any]] = []
+    if case.limits is not None:
+        share: dict[str, Any] = {"percentile": group.get("percentile", _PERCENTILE)}
+        if "probability" in group:
+            share = {"probability": group.probability}
+        targets.append({"quantity": "limits"} | share)
+    if "collapse_probability" in group:
+        targets.append(
+            {"quantity": "collapse", "probability": group.collapse_probability}
+            | {"scale": group.collapse_scale}
+        )
+    folder = Path(case.source or "").parent
+    return DesignRequest(
+        dict(zip(names, zip(group.low, group.high, strict=True), strict=True)),
+        tuple(targets),
+        dict(zip(names, group.cost, strict=True)),
+        tuple(located(folder, word) for word in (group.records if "records" in group else ())),
+        tuple(located(folder, word) for word in group.left_out) if "left_out" in group else None,
+        group.unit if "unit" in group else None,
+        group.designs,
+    )
+
 
 Array = npt.NDArray[np.float64]
 Cost = Mapping[str, float] | Callable[[dict[str, float]], float]
@@ -85,20 +157,7 @@ class Target:
         return f"{goal} in {100 * self.share:g} % of the motions{factor}"
 
     def value_of(self, values: Array, fallen: npt.NDArray[np.bool_]) -> float:
-        """Return the quantile that the limit is for, or the share of collapses.
-
-        Parameters
-        ----------
-        values : numpy.ndarray, shape (motions,)
-            The quantity.
-        fallen : numpy.ndarray of bool, shape (motions,)
-            Whether wall or frame overturned or collapsed.
-
-        Returns
-        -------
-        float
-            Infinite when too many motions end in collapse.
-        """
+        """Return the quantile that the limit is for, or the share of collapses."""
         if self.quantity == COLLAPSE:
             return float(fallen.mean())
         # larger is worse; residuals have a sign
@@ -109,18 +168,7 @@ class Target:
         return max(-worst, 0.0) if self.is_least else worst
 
     def utilisation(self, value: float) -> float:
-        """Return value over limit: the target is met up to 1.
-
-        Parameters
-        ----------
-        value : float
-            From `value_of`.
-
-        Returns
-        -------
-        float
-            The quotient; for a collapse 1 plus the share above the allowed one.
-        """
+        """Return value over limit: the target is met up to 1."""
         if self.quantity == COLLAPSE:
             return 1.0 + value - (1.0 - self.share) - 1e-12
         if self.is_least:
@@ -131,28 +179,7 @@ class Target:
 def variables_of(
     bounds: Mapping[str, Sequence[float]], case: Case, has_records: bool = False
 ) -> list[Variable]:
-    """Look up the variables of a design.
-
-    Parameters
-    ----------
-    bounds : mapping
-        Lower and upper bounds by key.
-    case : Case
-        The case, for keys of several groups.
-    has_records : bool
-        True when records replace the motion of the case.
-
-    Returns
-    -------
-    list of Variable
-        In the same order.
-
-    Raises
-    ------
-    InputError
-        When a key is unknown or no number of structure or motion, or when bounds are not two
-        increasing numbers.
-    """
+    """Look up the variables of a design."""
     if not isinstance(bounds, Mapping) or not bounds:
         raise InputError(
             f"bounds = {show(bounds)}: must be keys with (low, high); the default is &design"
@@ -195,27 +222,7 @@ def _two(name: str, ends: object) -> Array:
 
 
 def targets_of(targets: Sequence[Mapping[str, Any]], case: Case) -> list[Target]:
-    """Read the targets of a design.
-
-    Parameters
-    ----------
-    targets : sequence of mapping
-        ``quantity`` and ``limit``, with ``percentile`` [%] or ``probability`` of exceedance, or
-        ``quantity='collapse'`` with ``probability``; ``scale`` is a factor on the motions. The
-        quantity 'limits' without a limit means every limit of the case.
-    case : Case
-        The case, for its limits.
-
-    Returns
-    -------
-    list of Target
-        In the same order.
-
-    Raises
-    ------
-    InputError
-        When an entry is unknown, missing or out of range.
-    """
+    """Read the targets of a design."""
     items = [targets] if isinstance(targets, Mapping) else to_items(targets)
     if items is not None and not items:
         raise InputError(
@@ -265,25 +272,7 @@ def _target(item: Mapping[str, Any]) -> Target:
 
 
 def cost_of(cost: Cost, variables: Sequence[Variable]) -> Callable[[Array], float]:
-    """Make the cost of a design a function of its numbers.
-
-    Parameters
-    ----------
-    cost : mapping or callable
-        Weights by key, or a function of the values by key.
-    variables : sequence of Variable
-        The variables.
-
-    Returns
-    -------
-    callable
-        Cost of an array of the numbers.
-
-    Raises
-    ------
-    InputError
-        When a weight belongs to no variable, or the function returns no number.
-    """
+    """Make the cost of a design a function of its numbers."""
     names = [item.name for item in variables]
     if isinstance(cost, Mapping):
         unknown = [str(key) for key in cost if key not in names]
@@ -299,3 +288,83 @@ def cost_of(cost: Cost, variables: Sequence[Variable]) -> Callable[[Array], floa
         raise InputError(f"cost = {show(cost)}: must be weights by key or a function")
     function = cost
     return lambda x: to_number("cost", function(dict(zip(names, x.tolist(), strict=True))))
+
+
+# utilisation above which its logarithm counts, and that of a design that collapses
+_LARGE, _COLLAPSED = 10.0, 1e3
+
+
+class SuiteRuns:
+    """Values of the targets for designs; each design is computed once.
+
+    Attributes
+    ----------
+    values : dict of tuple to numpy.ndarray, each shape (targets,)
+        Values of the targets by design.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        variables: Sequence[Variable],
+        targets: Sequence[Target],
+        records: Sequence[RecordFile],
+        threads: int,
+    ) -> None:
+        self._case = case.without("spectrum") if "spectrum" in case.groups else case
+        self._variables, self._targets = variables, targets
+        self._records, self._threads = records, threads
+        names = [item.quantity for item in targets if item.quantity != COLLAPSE]
+        self._names = list(dict.fromkeys(names)) or [default_quantity(case)]
+        self.values: dict[tuple[float, ...], Array] = {}
+        self.warnings: list[str] = []
+
+    def utilisations(self, designs: Array) -> Array:
+        """Compute values over limits."""
+        found = self.compute(designs)
+        rows = np.array([
+            [item.utilisation(float(x)) for item, x in zip(self._targets, row, strict=True)]
+            for row in found
+        ])  # fmt: skip
+        larger = np.where(np.isfinite(rows), np.maximum(rows, _LARGE), _LARGE)
+        limited: Array = np.minimum(rows, _LARGE) + np.log(larger / _LARGE)
+        return np.where(np.isfinite(rows), limited, _COLLAPSED)
+
+    def compute(self, designs: Array) -> Array:
+        """Compute the values of the targets."""
+        rows = [tuple(float(x) for x in row) for row in designs]
+        missing = list(dict.fromkeys(row for row in rows if row not in self.values))
+        if missing:
+            for row, values in zip(missing, self._run(missing), strict=True):
+                self.values[row] = values
+        return np.array([self.values[row] for row in rows])
+
+    def _run(self, designs: Sequence[tuple[float, ...]]) -> Array:
+        scales = list(dict.fromkeys(item.scale for item in self._targets))
+        table: dict[str, Any] = {
+            item.column: [int(row[i]) if item.is_whole else row[i] for row in designs] * len(scales)
+            for i, item in enumerate(self._variables)
+        }
+        table["scale"] = [scale for scale in scales for _ in designs]
+        found = sweep(
+            self._case,
+            None,
+            self._records,
+            points=table,
+            quantities=self._names,
+            threads=self._threads,
+        )
+        refuse_missing(found, self._names, "targets")
+        self.warnings = united([*self.warnings, *str(found.attrs["warnings"]).splitlines()])
+        names = found["status"].attrs["flag_meanings"].split()
+        ends = [names.index(name) for name in ENDINGS if name in names]
+        shape = (-1, len(scales), len(designs))
+        fallen = np.isin(found["status"].values, ends).reshape(shape)
+        values = {name: found[name].values.reshape(shape) for name in self._names}
+        results = np.empty((len(designs), len(self._targets)))
+        for j, item in enumerate(self._targets):
+            k = scales.index(item.scale)
+            of = values.get(item.quantity, fallen.astype(float))
+            for i in range(len(designs)):
+                results[i, j] = item.value_of(of[:, k, i], fallen[:, k, i])
+        return results

@@ -12,8 +12,6 @@ from typing import Any
 
 from rwmf import _library
 
-__all__ = ["describe", "editable"]
-
 # usual range of values: low, high, and True for a logarithmic slider
 _RANGES: dict[str, tuple[float, float, bool]] = {
     "wall.h": (0.5, 10.0, False),
@@ -368,13 +366,7 @@ _INTERVAL = re.compile(r"([\[(])([^,\s]+), ([^\])]+)[\])]")
 
 
 def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
-    """Return the keys that the page may set.
-
-    Returns
-    -------
-    dict
-        Type, and the words of a choice, by group and key.
-    """
+    """Return the keys that the page may set."""
     return {
         row[:2]: (row.kind, tuple(row.allowed.split()) if row.kind == "choice" else ())
         for row in _library.schema()
@@ -383,14 +375,7 @@ def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
 
 
 def describe() -> dict[str, Any]:
-    """Describe groups and keys for the page.
-
-    Returns
-    -------
-    dict
-        ``groups`` (name, title, needs, needed_too, can_be_added, keys), exclusions and
-        requirements.
-    """
+    """Describe groups and keys for the page."""
     keys: dict[str, list[dict[str, Any]]] = {}
     for row in _library.schema():
         if row[:2] not in _NOT_EDITABLE:
@@ -426,7 +411,7 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
     kind, default, allowed = row.kind, row.default, row.allowed
     found: dict[str, Any] = {
         "key": row.key,
-        "kind": kind,
+        "kind": "real" if kind == "reals" else kind,
         "unit": row.unit.strip("-"),
         "default": default,
         "allowed": allowed,

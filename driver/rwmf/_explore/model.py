@@ -14,7 +14,7 @@ import os
 import re
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,20 +22,166 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library, loops
-from rwmf._explore.captions import captions_of, compare_with_frame
 from rwmf._explore.controls import describe
 from rwmf._explore.presets import PRESETS, case_of_preset
 from rwmf._explore.questions import BadQuestionError, Question, case_of, given
 from rwmf._headline import headline_rows, rows_by_title, tendon_yield_of
 from rwmf.case import Case
-from rwmf.case.heights import heights_of_storeys
+from rwmf.case.elements import total
+from rwmf.case.grid import heights_of_storeys
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.plotting.animation import ground_displacement
-from rwmf.plotting.levels import levels_of_frame, levels_of_storeys
-from rwmf.plotting.mode_shapes import mode_shapes
-from rwmf.quantities import ENDINGS, find
+from rwmf.plotting.levels import levels_of_frame, levels_of_storeys, mode_shapes
+from rwmf.quantities import ENDINGS, Quantity, find
 
-__all__ = ["Model", "as_files", "encode", "start"]
+# with these, the acceleration at uplift is no constant of the case
+_CHANGING_UPLIFT = ("storeys", "bending", "vertical", "initial", "coupling", "restraint")
+# energies that are dissipated, and their names
+_DISSIPATED = {
+    "impact": "impacts",
+    "viscous": "dampers",
+    "hysteretic": "yielding",
+    "bending_damping": "damping of the wall's modes",
+}
+# largest storey drift over that of the roof [-] for drifts that hardly differ
+_EVEN = 1.05
+# a part of the input below this is not mentioned
+_LEAST_PART = 0.005
+
+
+def captions_of(
+    case: Case, summary: Mapping[str, Any], t_lift_off: float | None, yields: Sequence[bool]
+) -> list[str]:
+    """Explain the response of a case."""
+    found = [
+        _uplift(case, summary, t_lift_off),
+        _rotation(case, summary),
+        _tendon(summary),
+        _concentration(summary),
+        _yielding(summary, yields),
+        _collapse(summary),
+        _energy(summary),
+    ]
+    return [text for text in found if text]
+
+
+def uplift_acceleration(case: Case) -> float | None:
+    """Compute the ground acceleration at which the resting wall lifts off."""
+    if case.wall is None or case.wall.base != "rocking":
+        return None
+    if any(name in case.groups for name in _CHANGING_UPLIFT) or case.wall.walls > 1:
+        return None
+    if case.cable is not None and "offset" in case.cable:
+        return None
+    prestress = 0.0 if case.cable is None else total(case.cable, case.cable.eta_0)
+    gamma = 0.0 if case.frame is None else float(case.frame.gamma)
+    return float(case.wall.b / case.wall.h) * (1.0 + prestress) / (1.0 + 2.0 * gamma)
+
+
+def _uplift(case: Case, summary: Mapping[str, Any], t_lift_off: float | None) -> str:
+    if case.wall is None or case.wall.base != "rocking":
+        return ""
+    needed = uplift_acceleration(case)
+    if t_lift_off is not None:
+        beyond = f", where the ground passes {needed:.2g} g" if needed is not None else ""
+        return f"The wall lifts off at {t_lift_off:.2f} s{beyond}."
+    if summary.get("theta_max_over_alpha", 0.0) > 0.0:
+        return ""
+    if needed is None:
+        return "No uplift: the base stays closed."
+    peak = case.kernel.peak_of_motion() / float(case.model.g)
+    return f"No uplift: it needs {needed:.2g} g, and the ground reaches {peak:.2g} g."
+
+
+def _rotation(case: Case, summary: Mapping[str, Any]) -> str:
+    ratio = summary.get("theta_max_over_alpha", 0.0)
+    if summary.get("overturned"):
+        return "The wall overturns."
+    if not ratio > 0.0 or case.wall is None:
+        return ""
+    alpha = math.atan2(float(case.wall.b), float(case.wall.h))
+    size = f"its slenderness α = {alpha:.3g} rad"
+    if ratio > 1.0:
+        return f"It rotates to {ratio:.3g} times {size}: beyond α its weight overturns it."
+    return f"It rotates to {_percent(ratio)} of {size}."
+
+
+def _tendon(summary: Mapping[str, Any]) -> str:
+    if summary.get("cable_ruptured"):
+        return "The tendon ruptures."
+    loss = summary.get("cable_prestress_loss_over_m_w_g", 0.0)
+    if not loss > 0.0:
+        return ""
+    newtons = summary.get("cable_prestress_loss_N")
+    size = f"{loss:.2g} m_w g" if newtons is None else f"{1e-3 * newtons:.3g} kN"
+    return f"The tendon yields and loses {size} of its prestress."
+
+
+def _concentration(summary: Mapping[str, Any]) -> str:
+    """Compare the largest storey drift with the drift of the roof."""
+    largest, roof = summary.get("storey_drift_max", 0.0), summary.get("roof_drift_max", 0.0)
+    if not (largest > 0.0 and roof > 0.0):
+        return ""
+    storey = next(
+        i for i in range(1, 1000) if summary.get(f"storey_{i}_drift_max", largest) == largest
+    )
+    ratio = f"{largest / roof:.2g} times" if largest > _EVEN * roof else "nearly"
+    return f"Storey {storey} has the largest IDR, {100 * largest:.3g} %: {ratio} that of the roof."
+
+
+def _yielding(summary: Mapping[str, Any], yields: Sequence[bool]) -> str:
+    if not yields:
+        return ""
+    ductility = summary.get("ductility")
+    if ductility is None:
+        ductility = max(summary[f"storey_{i + 1}_ductility"] for i in range(len(yields)))
+    size = f"ductility {ductility:.3g}"
+    if not any(yields):
+        return f"The frame stays elastic: {size}."
+    if len(yields) == 1:
+        return f"The frame yields: {size}."
+    storeys = [str(i + 1) for i, has_yielded in enumerate(yields) if has_yielded]
+    if len(storeys) == 1:
+        return f"Storey {storeys[0]} yields: {size}."
+    return f"Storeys {', '.join(storeys[:-1])} and {storeys[-1]} yield: largest {size}."
+
+
+def _collapse(summary: Mapping[str, Any]) -> str:
+    if not summary.get("collapsed"):
+        return ""
+    return f"It collapses at {summary['t_collapse_s']:.2f} s, at a limit of its drift."
+
+
+def _energy(summary: Mapping[str, Any]) -> str:
+    total = summary.get("energy_input_J_per_kg", 0.0)
+    if not total > 0.0:
+        return ""
+    parts = {
+        name: summary.get(f"energy_{key}_J_per_kg", 0.0) / total
+        for key, name in _DISSIPATED.items()
+    }
+    if sum(parts.values()) > 1.0 + _LEAST_PART:
+        # the weight of a leaning or falling structure adds energy
+        return ""
+    ordered = sorted(parts.items(), key=lambda part: -part[1])
+    texts = [f"{name} {_percent(part)}" for name, part in ordered if part >= _LEAST_PART]
+    return f"Of the energy put in by the ground, {', '.join(texts)} at the end." if texts else ""
+
+
+def _percent(part: float) -> str:
+    return f"{100 * part:.0f} %" if part >= 0.0995 else f"{100 * part:.2g} %"
+
+
+def compare_with_frame(quantity: Quantity, value: float, alone: float | None) -> str:
+    """Compare a peak with that of the frame without a wall."""
+    if alone is None or not (math.isfinite(value) and math.isfinite(alone) and alone > 0.0):
+        return ""
+    change = 100.0 * (value / alone - 1.0)
+    comparison = f"{_percent(abs(change) / 100)} {'less' if change < 0 else 'more'} than"
+    if abs(change) < 0.05:
+        comparison = "as much as"
+    return f"At the period of the case, {quantity.meaning}: {comparison} the frame alone."
+
 
 Poll = Callable[[int], None]
 Array = npt.NDArray[np.float64]
@@ -72,22 +218,7 @@ class _Record(NamedTuple):
 
 
 def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
-    """Save the motions from arrays as files that a namelist can name.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    folder : Path
-        Folder for the files.
-
-    Returns
-    -------
-    Case
-        The case with files in place of arrays.
-    list of Path
-        These files.
-    """
+    """Save the motions from arrays as files that a namelist can name."""
     if not case.motions:
         return case, []
     path = folder / "case.nml"
@@ -96,20 +227,7 @@ def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
 
 
 def start(case: Case, made: list[Path]) -> dict[str, Any]:
-    """Describe keys and the initial case.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    made : list of Path
-        Files of its motions from arrays.
-
-    Returns
-    -------
-    dict
-        As `controls.describe`, with ``name``, ``state``, ``record``, ``made``, ``presets``.
-    """
+    """Describe keys and the initial case."""
     motion: Mapping[str, Any] = case.groups.get("motion", {})
     return describe() | {
         "name": Path(case.source or "in memory").name,
@@ -123,32 +241,13 @@ def start(case: Case, made: list[Path]) -> dict[str, Any]:
 
 
 def encode(value: object) -> bytes:
-    """Encode an answer as JSON.
-
-    Parameters
-    ----------
-    value : object
-        Numbers, texts, lists and dicts.
-
-    Returns
-    -------
-    bytes
-        One line without line end.
-    """
+    """Encode an answer as JSON."""
     # a file name may contain bytes that are not UTF-8
     return json.dumps(value, allow_nan=False).encode("ascii", "replace")
 
 
 class Model:
-    """Answers to requests about one case and its variants, for any number of pages.
-
-    Parameters
-    ----------
-    case : Case
-        Initial case of the pages.
-    folder : Path
-        Folder of uploaded records, each in a subfolder with its number.
-    """
+    """Answers to requests about one case and its variants, for any number of pages."""
 
     def __init__(self, case: Case, folder: Path) -> None:
         self._folder = folder
@@ -159,28 +258,7 @@ class Model:
         self._threads = max(1, (os.cpu_count() or 2) - 1)
 
     def history(self, question: Question, poll: Poll) -> dict[str, Any]:
-        """Run a case.
-
-        Parameters
-        ----------
-        question : Question
-            Selects the case.
-        poll : callable
-            Called about 20 times a second; an exception that it raises stops the kernel.
-
-        Returns
-        -------
-        dict
-            Columns over time, instants of impacts, loops, profile over the height, key numbers with
-            headline and groups, captions, warnings, namelist.
-
-        Raises
-        ------
-        InputError, NumericalError
-            As the kernel reports them.
-        BadQuestionError
-            When the record does not exist.
-        """
+        """Run a case."""
         case = self._case_of(question)
         t_end = float(case.solver.t_end)
         shown = case.replace(
@@ -220,30 +298,7 @@ class Model:
         }
 
     def spectrum(self, question: Question, poll: Poll) -> dict[str, Any]:
-        """Compute the spectrum of a case and that of its frame without a wall.
-
-        Parameters
-        ----------
-        question : Question
-            Selects case, number of periods and quantity, and the limit of steps.
-        poll : callable
-            As in `history`.
-
-        Returns
-        -------
-        dict
-            ``T``, ``axis`` (its meaning and the consequence), ``values``, ``alone`` (or None),
-            ``failed`` (number of each status) and ``overturned`` (periods). ``quantity`` describes
-            the quantity; ``quantities`` lists those of the scene. ``caption`` compares with the
-            frame alone at the period of the case.
-
-        Raises
-        ------
-        InputError, NumericalError
-            As the kernel reports them.
-        BadQuestionError
-            When the record does not exist.
-        """
+        """Compute the spectrum of a case and that of its frame without a wall."""
         case = self._case_of(question)
         if "T_s" not in case.kernel.axes():
             raise InputError("the scene has no period to vary: it has no spectrum")
@@ -273,26 +328,7 @@ class Model:
         }
 
     def cost(self, question: Question, report: Callable[[int, int], None]) -> dict[str, Any]:
-        """Measure the cost of accuracy.
-
-        Parameters
-        ----------
-        question : Question
-            Selects the case.
-        report : callable
-            Called with the numbers of finished and of all units of work; an exception that it
-            raises ends the measurement.
-
-        Returns
-        -------
-        dict
-            As ``rwmf cost --json``; values that are not finite are None.
-
-        Raises
-        ------
-        InputError, NumericalError
-            As the kernel reports them.
-        """
+        """Measure the cost of accuracy."""
         # quadruple precision needs a second library, loaded on demand
         from rwmf._cost import cost
 
@@ -300,28 +336,7 @@ class Model:
         return dict(_plain(found.to_dict()))
 
     def add_record(self, number: str, unit: str | None, dt: float | None) -> dict[str, Any]:
-        """Check a record uploaded by the page.
-
-        Parameters
-        ----------
-        number : str
-            Number of the record's folder, which contains this file only.
-        unit : str, optional
-            Unit of the accelerations, unless the file gives it.
-        dt : float, optional
-            Interval of the samples [s], for a file with one column.
-
-        Returns
-        -------
-        dict
-            ``record`` (number), ``name``, ``motion`` (keys of the group), ``end`` (time of the last
-            sample), ``facts``.
-
-        Raises
-        ------
-        InputError
-            When the kernel refuses the record; the message gives the file's original name.
-        """
+        """Check a record uploaded by the page."""
         (path,) = (self._folder / number).iterdir()
         base = self._with_record(path, unit, dt)
         motion = given(base)["motion"]
@@ -332,18 +347,7 @@ class Model:
         return {"record": number, "name": path.name, "motion": motion, "end": end, "facts": facts}
 
     def message_of(self, error: RwmfError) -> str:
-        """Return the message of an error without the file and lines of a namelist.
-
-        Parameters
-        ----------
-        error : RwmfError
-            Error of a request.
-
-        Returns
-        -------
-        str
-            The message.
-        """
+        """Return the message of an error without the file and lines of a namelist."""
         text = re.sub(r" \(line \d+\)", "", str(error))
         for label in (f"{self._case.source} (edited): ", f"{self._case.source}: "):
             text = text.removeprefix(label)

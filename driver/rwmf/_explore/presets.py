@@ -8,8 +8,6 @@ from typing import NamedTuple
 
 from rwmf.case import Case
 
-__all__ = ["FIRST", "PRESETS", "Preset", "case_of_preset"]
-
 _FOLDER = Path(__file__).parent / "presets"
 
 
@@ -59,17 +57,6 @@ FIRST = PRESETS[-1]
 
 @cache
 def case_of_preset(name: str) -> Case:
-    """Read the case of a preset.
-
-    Parameters
-    ----------
-    name : str
-        Name of the preset.
-
-    Returns
-    -------
-    Case
-        The case, named after its file but without the path of the package.
-    """
+    """Read the case of a preset."""
     text = (_FOLDER / f"{name}.nml").read_text(encoding="utf-8")
     return Case.from_text(text, f"{name}.nml")

@@ -10,8 +10,6 @@ from typing import Any, NamedTuple
 from rwmf._explore.controls import editable
 from rwmf.case import Case
 
-__all__ = ["BadQuestionError", "Question", "case_of", "given", "read"]
-
 _MOST_POINTS = 2000
 _WORD = re.compile(r"\w{1,60}", re.ASCII)
 _NUMBER = re.compile(r"([0-9]{1,9})?", re.ASCII)
@@ -46,18 +44,7 @@ class Question(NamedTuple):
 
 
 def given(case: Case) -> dict[str, dict[str, Any]]:
-    """List the given values of a case, in the form in which the page returns them.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    dict
-        Keys and values of each group, without files.
-    """
+    """List the given values of a case, in the form in which the page returns them."""
     pairs = editable()
     return {
         name: {
@@ -70,24 +57,7 @@ def given(case: Case) -> dict[str, dict[str, Any]]:
 
 
 def read(body: object) -> Question:
-    """Validate a request.
-
-    Parameters
-    ----------
-    body : object
-        Contents of the page's JSON.
-
-    Returns
-    -------
-    Question
-        The request, with values of the types of their keys.
-
-    Raises
-    ------
-    BadQuestionError
-        When the request contains a group or key that the page does not set, or a value of wrong
-        type.
-    """
+    """Validate a request."""
     if not isinstance(body, dict):
         raise BadQuestionError("a request must be an object")
     unknown = body.keys() - {"groups", "record", "points", "quantity", "quick"}
@@ -164,25 +134,7 @@ def _real(name: str, value: object) -> float:
 
 
 def case_of(question: Question, base: Case) -> Case:
-    """Make the case of a request.
-
-    Parameters
-    ----------
-    question : Question
-        From `read`.
-    base : Case
-        A case with the records of the request.
-
-    Returns
-    -------
-    Case
-        The case; new numbers for the same keys take microseconds.
-
-    Raises
-    ------
-    InputError
-        When the kernel does not accept the case.
-    """
+    """Make the case of a request."""
     changes: dict[str, Mapping[str, object] | None] = {}
     before = given(base)
     for name in before.keys() - question.groups.keys():

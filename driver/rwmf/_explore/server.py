@@ -10,6 +10,7 @@ Without the token the frame answers nothing.
 from __future__ import annotations
 
 import atexit
+import fcntl
 import hmac
 import json
 import math
@@ -20,6 +21,7 @@ import shutil
 import signal
 import socket
 import sys
+import tempfile
 import threading
 import time
 import traceback
@@ -32,7 +34,6 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from rwmf._arguments import case_of, checked
-from rwmf._explore.folder import Folder
 from rwmf._explore.model import as_files, encode, start
 from rwmf._explore.presets import FIRST, case_of_preset
 from rwmf._explore.questions import BadQuestionError, read
@@ -41,7 +42,54 @@ from rwmf._progress import in_notebook
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError, RwmfError
 
-__all__ = ["PageServer", "explore"]
+_PREFIX = "rwmf-explore-"
+
+
+class Folder:
+    """A new temporary folder, locked until this process ends.
+
+    The operating system releases the lock of the folder with the process. A folder without a lock
+    therefore belongs to a terminated server.
+    """
+
+    def __init__(self) -> None:
+        self._lock: int | None = None
+        for left in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+            lock = _locked(left)
+            if lock is not None:
+                _remove(left, lock)
+        while self._lock is None:
+            # between creation and lock another server may take the folder for an abandoned one
+            self.path = Path(tempfile.mkdtemp(prefix=_PREFIX))
+            self._lock = _locked(self.path)
+
+    def remove(self) -> None:
+        """Remove the folder with its contents; further calls have no effect."""
+        if self._lock is not None:
+            _remove(self.path, self._lock)
+            self._lock = None
+
+
+def _locked(path: Path) -> int | None:
+    """Lock a folder of this user."""
+    try:
+        found = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    except OSError:
+        return None
+    with suppress(OSError):
+        if os.fstat(found).st_uid == os.geteuid():
+            fcntl.flock(found, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # another process may have removed it before the lock
+            if os.path.samestat(os.fstat(found), os.lstat(path)):
+                return found
+    os.close(found)
+    return None
+
+
+def _remove(path: Path, lock: int) -> None:
+    shutil.rmtree(path, ignore_errors=True)
+    os.close(lock)
+
 
 _HOST = "127.0.0.1"
 _PAGE = Path(__file__).parent / "page"
@@ -86,22 +134,7 @@ class _RefusedError(Exception):
 
 
 class PageServer(ThreadingHTTPServer):
-    """HTTP server of the page and its requests about a case.
-
-    Parameters
-    ----------
-    case : Case
-        Initial case of the pages.
-    port : int
-        Port of this machine; 0 for a free one.
-    in_frame : bool
-        A notebook of this machine may show the page in a frame.
-
-    Raises
-    ------
-    OutputError
-        When the port cannot be used.
-    """
+    """HTTP server of the page and its requests about a case."""
 
     daemon_threads = True
     # the browser may keep connections open after the end
@@ -147,15 +180,7 @@ class PageServer(ThreadingHTTPServer):
         return f"http://{_HOST}:{self.server_port}/#{self.token}"
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Ignore broken connections; show unexpected errors.
-
-        Parameters
-        ----------
-        request : socket
-            The connection.
-        client_address : tuple
-            Address of the client.
-        """
+        """Ignore broken connections; show unexpected errors."""
         error = sys.exc_info()[1]
         if not isinstance(error, OSError | _GoneError):
             traceback.print_exc()
@@ -165,18 +190,6 @@ class PageServer(ThreadingHTTPServer):
 
         An incomplete request ends, the oldest one without the token first, so that idle
         connections of other programs do not keep the page out.
-
-        Parameters
-        ----------
-        request : socket
-            The connection.
-        client_address : tuple
-            Who has opened it.
-
-        Returns
-        -------
-        bool
-            True when the connection is accepted; False when all others wait for answers.
         """
         if len(self.arriving) >= _MOST_CONNECTIONS:
             waiting = [
@@ -194,37 +207,17 @@ class PageServer(ThreadingHTTPServer):
         return True
 
     def shutdown_request(self, request: Any) -> None:  # noqa: ANN401
-        """Close a connection.
-
-        Parameters
-        ----------
-        request : socket
-            The connection.
-        """
+        """Close a connection."""
         self.arriving.pop(request, None)
         self.trusted.discard(request)
         super().shutdown_request(request)
 
     def stop(self, number: int, frame: object) -> None:
-        """Handle a signal: ask `serve_forever` to end, with a KeyboardInterrupt.
-
-        Parameters
-        ----------
-        number : int
-            The signal.
-        frame : object
-            Where it arrived.
-        """
+        """Handle a signal: ask `serve_forever` to end, with a KeyboardInterrupt."""
         self._is_stopped = True
 
     def service_actions(self) -> None:
-        """Close connections with overdue requests.
-
-        Raises
-        ------
-        KeyboardInterrupt
-            After `stop`.
-        """
+        """Close connections with overdue requests."""
         if self._is_stopped:
             raise KeyboardInterrupt
         now = time.monotonic()
@@ -234,25 +227,7 @@ class PageServer(ThreadingHTTPServer):
                     connection.shutdown(socket.SHUT_RDWR)
 
     def new_record(self, content: bytes, name: str) -> str:
-        """Store the file of a record.
-
-        Parameters
-        ----------
-        content : bytes
-            The file: AT2, or one or two columns.
-        name : str
-            File name for the namelist.
-
-        Returns
-        -------
-        str
-            The record's number.
-
-        Raises
-        ------
-        BadQuestionError
-            When the name is not a valid file name.
-        """
+        """Store the file of a record."""
         # a namelist ignores blanks at the ends of a name
         plain = Path(name.replace("\\", "/")).name.strip()
         if not plain.isprintable() or not 0 < len(plain.encode()) <= 120 or plain in (".", ".."):
@@ -274,13 +249,7 @@ class PageServer(ThreadingHTTPServer):
         return number
 
     def drop_record(self, number: str) -> None:
-        """Remove the file of a refused record.
-
-        Parameters
-        ----------
-        number : str
-            Number of the record.
-        """
+        """Remove the file of a refused record."""
         shutil.rmtree(self.folder.path / number, ignore_errors=True)
         with self._lock:
             # reuse only the last number
@@ -323,15 +292,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._guarded(self._answer)
 
     def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """Answer an invalid request, with the headers of all answers.
-
-        Parameters
-        ----------
-        code : int
-            Status.
-        message, explain : str, optional
-            Description of the error.
-        """
+        """Answer an invalid request, with the headers of all answers."""
         self._fail(code, explain or message or "this is no request of the page")
 
     def log_message(self, format: str, *args: object) -> None:
@@ -530,13 +491,7 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 class NotebookPage:
-    """Page in the output of a notebook's cell, served until `close` or the end of the kernel.
-
-    Parameters
-    ----------
-    server : PageServer
-        A new server.
-    """
+    """Page in the output of a notebook's cell, served until `close` or the end of the kernel."""
 
     def __init__(self, server: PageServer) -> None:
         self._server = server
@@ -590,13 +545,7 @@ def _interrupt(number: int, frame: object) -> None:
 
 
 def _set_signals(action: Any, numbers: Iterable[int]) -> dict[int, Any]:  # noqa: ANN401
-    """Set signal handlers.
-
-    Returns
-    -------
-    dict
-        The previous handlers; empty in a thread other than the main one.
-    """
+    """Set signal handlers."""
     if threading.current_thread() is not threading.main_thread():
         return {}
     return {number: signal.signal(number, action) for number in numbers}

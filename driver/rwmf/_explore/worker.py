@@ -19,8 +19,6 @@ from rwmf._explore.model import Model, encode
 from rwmf._explore.questions import BadQuestionError
 from rwmf.errors import RwmfError
 
-__all__ = ["serve"]
-
 
 class _StoppedError(Exception):
     """The server no longer needs the answer."""
@@ -43,14 +41,7 @@ def _take(connection: Connection, tasks: queue.Queue[Any], stopped: threading.Ev
 
 
 def serve(connection: Connection) -> None:
-    """Answer requests until the server ends.
-
-    Parameters
-    ----------
-    connection : Connection
-        Delivers the case and the folder of the uploaded records, then tasks: name of a method of
-        `Model` and its arguments. Answers are pairs of kind and content.
-    """
+    """Answer requests until the server ends."""
     tasks: queue.Queue[Any] = queue.Queue()
     stopped = threading.Event()
 

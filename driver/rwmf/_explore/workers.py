@@ -19,8 +19,6 @@ from rwmf._explore.questions import BadQuestionError
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["BrokenError", "BusyError", "Workers"]
-
 # largest number of concurrent computations; a page needs one, and a second for its cost chart
 _MOST = max(4, min(8, os.cpu_count() or 4))
 # time after which a computation may be stopped when requests wait and no process is free [s]
@@ -73,15 +71,7 @@ class _Worker:
 
 
 class Workers:
-    """Processes that answer requests.
-
-    Parameters
-    ----------
-    case : Case
-        Initial case of the pages.
-    folder : Path
-        Folder of uploaded records.
-    """
+    """Processes that answer requests."""
 
     def __init__(self, case: Case, folder: Path) -> None:
         self._material = (case, folder)
@@ -96,35 +86,7 @@ class Workers:
     def ask(
         self, name: str, arguments: tuple[Any, ...], poll: Poll, report: Report | None = None
     ) -> bytes:
-        """Compute an answer.
-
-        Parameters
-        ----------
-        name : str
-            Method of `Model`.
-        arguments : tuple
-            Its arguments.
-        poll : callable
-            Called about 20 times a second; an exception that it raises stops the computation.
-        report : callable, optional
-            Called with the numbers of finished and of all units of work; otherwise as `poll`.
-
-        Returns
-        -------
-        bytes
-            The answer as JSON.
-
-        Raises
-        ------
-        InputError
-            When the kernel refuses the case; the message is the kernel's.
-        BadQuestionError
-            When the request is malformed.
-        BrokenError
-            When the process ended or failed unexpectedly.
-        BusyError
-            When the computation was stopped for other requests, or exceeded its time limit.
-        """
+        """Compute an answer."""
         worker = self._take(poll)
         usable = False
         try:
@@ -228,13 +190,7 @@ class Workers:
 
 
 def _stop(worker: _Worker) -> bool:
-    """Stop a computation.
-
-    Returns
-    -------
-    bool
-        True when the worker can take another task.
-    """
+    """Stop a computation."""
     until = time.monotonic() + _PATIENCE
     with suppress(EOFError, OSError):
         worker.connection.send(None)

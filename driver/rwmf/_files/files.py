@@ -28,16 +28,6 @@ from typing import BinaryIO, cast
 
 from rwmf.errors import InputError, OutputError
 
-__all__ = [
-    "check_outputs",
-    "is_regular_or_new",
-    "remove",
-    "replacing",
-    "reported",
-    "sync_folder",
-    "write_bytes",
-]
-
 _TEMPORARY = re.compile(r"\.rwmf-[0-9a-f]{16}\.tmp(\.\w+)?")
 _DESCRIPTOR = re.compile(r"/(?:dev|proc/(?:self|thread-self))/fd/(\d+)")
 _NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -49,22 +39,7 @@ def check_outputs(
     outputs: Iterable[str | os.PathLike[str] | None],
     inputs: Iterable[str | os.PathLike[str]] = (),
 ) -> None:
-    """Refuse, before the computation, outputs that cannot be written.
-
-    Parameters
-    ----------
-    outputs : iterable of path or None
-        Files that the run writes.
-    inputs : iterable of path
-        Files that it reads; no output may be one of them, under any name.
-
-    Raises
-    ------
-    InputError
-        When an output is an input, or two outputs are one file.
-    OutputError
-        When a folder does not exist or cannot be written, or when an output is a folder.
-    """
+    """Refuse, before the computation, outputs that cannot be written."""
     inputs = list(inputs)
     known: list[Path] = []
     for path in [Path(path) for path in outputs if path is not None]:
@@ -82,38 +57,14 @@ def check_outputs(
 
 
 def check_not_read(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLike[str]]) -> None:
-    """Refuse to write an input file, under any name.
-
-    Parameters
-    ----------
-    path : path
-        File to write.
-    inputs : iterable of path
-        Input files.
-
-    Raises
-    ------
-    InputError
-        When the file is one of them.
-    """
+    """Refuse to write an input file, under any name."""
     for source in inputs:
         if _is_same(path, source):
             raise InputError(f"{path}: is read by this run, as {source}; write to another file")
 
 
 def is_regular_or_new(path: str | os.PathLike[str]) -> bool:
-    """Check that a path, after following links, is a regular file or does not exist.
-
-    Parameters
-    ----------
-    path : str or path
-        The path.
-
-    Returns
-    -------
-    bool
-        True when a file can be created or read there.
-    """
+    """Check that a path, after following links, is a regular file or does not exist."""
     return not _is_special(_resolve(Path(path)))
 
 
@@ -123,23 +74,6 @@ def replacing(path: str | os.PathLike[str], ending: str = "") -> Iterator[Binary
 
     A link stays and its target is replaced. Special files (a pipe, a device, an open descriptor as
     /dev/stdout) are not replaced but written to.
-
-    Parameters
-    ----------
-    path : path
-        The target; an existing file stays until the new one is complete and on the disk.
-    ending : str
-        Ending of the new file's name, for writers that depend on it.
-
-    Yields
-    ------
-    file
-        The file to write; its `name` is its path.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
     """
     with reported(path):
         target = _resolve(Path(path))
@@ -164,37 +98,13 @@ def replacing(path: str | os.PathLike[str], ending: str = "") -> Iterator[Binary
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file as `replacing` does.
-
-    Parameters
-    ----------
-    path : path
-        The target.
-    content : bytes
-        The whole content.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
+    """Write a file as `replacing` does."""
     with replacing(path) as stream:
         stream.write(content)
 
 
 def remove(path: Path) -> None:
-    """Remove a file, if it exists, durably: a power failure does not restore it.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Raises
-    ------
-    OutputError
-        When it cannot be removed.
-    """
+    """Remove a file, if it exists, durably: a power failure does not restore it."""
     with reported(path):
         target = _resolve(path)
         target.unlink(missing_ok=True)
@@ -202,18 +112,7 @@ def remove(path: Path) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """Write the names of a folder to the disk, if its file system supports it.
-
-    Parameters
-    ----------
-    folder : path
-        The folder.
-
-    Raises
-    ------
-    OSError
-        When the disk fails.
-    """
+    """Write the names of a folder to the disk, if its file system supports it."""
     try:
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     except PermissionError:
@@ -230,23 +129,7 @@ def sync_folder(folder: Path) -> None:
 
 @contextmanager
 def reported(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Convert errors of the operating system on writing a file into `OutputError`.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Yields
-    ------
-    None
-        The block that writes.
-
-    Raises
-    ------
-    OutputError
-        When the block fails.
-    """
+    """Convert errors of the operating system on writing a file into `OutputError`."""
     try:
         yield
     except OutputError:

@@ -7,8 +7,6 @@ import re
 from pathlib import Path
 from typing import TypeVar
 
-__all__ = ["is_name_of_folder", "problem_of_name", "readable", "shorten", "xml_text"]
-
 _T = TypeVar("_T")
 
 # Linux limits of a part of a path and of a path [bytes]
@@ -21,51 +19,18 @@ _SHOWN = 80
 
 
 def shorten(word: object) -> str:
-    """Shorten a long word for a message.
-
-    Parameters
-    ----------
-    word : object
-        Value to show as text.
-
-    Returns
-    -------
-    str
-        At most 80 letters, and the number of letters.
-    """
+    """Shorten a long word for a message."""
     text = str(word)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}... ({len(text)} letters)"
 
 
 def is_name_of_folder(word: str) -> bool:
-    """Check whether a name can only be a folder's: ``.``, ``..``, ``/``.
-
-    Parameters
-    ----------
-    word : str
-        The name.
-
-    Returns
-    -------
-    bool
-        True when no file can have it.
-    """
+    """Check whether a name can only be a folder's: ``.``, ``..``, ``/``."""
     return Path(word).name in ("", "..")
 
 
 def problem_of_name(word: str) -> str | None:
-    """Explain why a file name is invalid.
-
-    Parameters
-    ----------
-    word : str
-        The name, with folders or without.
-
-    Returns
-    -------
-    str or None
-        The reason; None for a valid name.
-    """
+    """Explain why a file name is invalid."""
     try:
         raw = os.fsencode(word)
     except UnicodeEncodeError:
@@ -80,34 +45,12 @@ def problem_of_name(word: str) -> str | None:
 
 
 def readable(value: _T) -> _T | str:
-    """Replace the bytes of a name that are not UTF-8 by their numbers, as NetCDF requires.
-
-    Parameters
-    ----------
-    value : str or number
-        A text, for example with names of files; numbers are unchanged.
-
-    Returns
-    -------
-    str or number
-        The text in UTF-8, or the number.
-    """
+    """Replace the bytes of a name that are not UTF-8 by their numbers, as NetCDF requires."""
     if not isinstance(value, str):
         return value
     return value.encode("utf-8", "backslashreplace").decode()
 
 
 def xml_text(value: str) -> str:
-    """Replace characters that XML cannot hold by their numbers; the writer escapes the markup.
-
-    Parameters
-    ----------
-    value : str
-        A text of the user.
-
-    Returns
-    -------
-    str
-        The text in one line.
-    """
+    """Replace characters that XML cannot hold by their numbers; the writer escapes the markup."""
     return _NOT_IN_XML.sub(lambda match: ascii(match[0])[1:-1], value)

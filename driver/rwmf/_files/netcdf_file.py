@@ -21,30 +21,9 @@ if TYPE_CHECKING:
     from typing_extensions import Buffer
 
 
-__all__ = ["new_file"]
-
-
 @contextmanager
 def new_file(path: Path) -> Iterator[tuple[File, Callable[[], None]]]:
-    """Open an empty NetCDF file that appears when the block ends without an error.
-
-    Parameters
-    ----------
-    path : path
-        The target.
-
-    Yields
-    ------
-    file : h5netcdf.File
-        The file to fill.
-    check : callable
-        Raises the error of a failed write; for use between parts of a large file.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
+    """Open an empty NetCDF file that appears when the block ends without an error."""
     import h5netcdf
 
     with files.replacing(path) as stream:
@@ -58,13 +37,7 @@ def new_file(path: Path) -> Iterator[tuple[File, Callable[[], None]]]:
 
 
 class _Disk(io.RawIOBase):
-    """File object that accepts all data and keeps those that the disk refuses.
-
-    Parameters
-    ----------
-    stream : file
-        Destination while writing works.
-    """
+    """File object that accepts all data and keeps those that the disk refuses."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._descriptor = stream.fileno()

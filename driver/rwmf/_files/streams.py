@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from typing_extensions import Buffer
 
-__all__ = ["ReaderGoneError", "guarded"]
 
 _STANDARD_ERROR = 2
 # error handler for letters that a stream cannot encode
@@ -62,13 +61,7 @@ class _Text(io.TextIOWrapper):
 
 @contextmanager
 def guarded() -> Iterator[list[OSError]]:
-    """Handle errors of the standard streams of the process.
-
-    Yields
-    ------
-    list of OSError
-        Filled at the end of the block with the errors of the standard output.
-    """
+    """Handle errors of the standard streams of the process."""
     _fill()
     codecs.register_error(_ANYWAY, _show_anyway)
     errors: list[OSError] = []

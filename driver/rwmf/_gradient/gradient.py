@@ -11,34 +11,17 @@ import xarray as xr
 from rwmf import _library
 from rwmf._arguments import case_of, checked, texts_of
 from rwmf._gradient.held_keys import Parameter, find_parameters
-from rwmf._gradient.lanes import Lanes
-from rwmf._gradient.scenes import RECORD, Scenes
-from rwmf._gradient.steps import Steps
-from rwmf._gradient.suite_statistics import Statistic, SuiteStatistic
-from rwmf._sweep.kept_quantities import QUANTITIES, default_quantity, find_quantities
+from rwmf._gradient.lanes import RECORD, Lanes, Scenes
+from rwmf._gradient.steps import Statistic, Steps, SuiteStatistic
+from rwmf._sweep.intensity import QUANTITIES, default_quantity, find_quantities
 from rwmf._sweep.points import Points
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.errors import InputError
 
-__all__ = ["gradient", "requested"]
-
 
 def requested(case: Case) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the names that the case's `&sensitivity` requests.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    parameters : tuple of str
-        Keys, empty without the group.
-    quantities : tuple of str
-        Results, empty when the group does not name them.
-    """
+    """Return the names that the case's `&sensitivity` requests."""
     group = case.sensitivity
     if group is None:
         return (), ()
@@ -77,14 +60,16 @@ def gradient(
         is the factor on the motion. The default is ``parameters`` of the case's ``&sensitivity``.
     quantities : str or sequence of str, optional
         Quantities of a sweep; the default is that of ``&sensitivity``, else of `rwmf.sweep`.
-    points, grid, records, threads, unit, dt
+    points, grid, records
         As in `rwmf.sweep`; each run has a gradient.
     statistic : float or callable, optional
         Differentiate a statistic over the records instead. A number is the share of a quantile, by
-        ranks. A function takes an array of one value a record, infinite after a collapse, such as
-        that of `rwmf.studies.fragility_median`. The steps are five times larger.
+        ranks. A function takes an array of one value a record, infinite after a collapse. The
+        steps are five times larger.
     over : str or sequence of str
         Dimensions of the array that the statistic takes, ``record`` first.
+    threads, unit, dt
+        As in `rwmf.sweep`.
 
     Returns
     -------

@@ -11,22 +11,122 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
-from rwmf._gradient.differences import FAR, NEAR
 from rwmf._numbers import show
 from rwmf._sweep.axes import SCALE, SETTINGS, column_in, key_of_column, kind_of
 from rwmf.case import Case
 from rwmf.errors import InputError, without_lines
 
-__all__ = [
-    "Parameter",
-    "allowed_changes",
-    "changed_entries",
-    "find_parameters",
-    "is_given",
-    "value_of",
-]
-
 Array = npt.NDArray[np.float64]
+# relative steps of the central differences; one-sided differences add half the smallest
+NEAR = (2e-4, 1e-4, 5e-5)
+# lanes of a central derivative
+LANES = 2 * len(NEAR)
+# relative changes at which the linear prediction is tried
+FAR = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
+# the error of a linear prediction over the change, up to which a derivative is valid
+_VALID = 0.1
+# part of a line between two lanes that is used, because the share may grow faster at first
+_CAUTION = 0.9
+# quotients of two lanes that follow one another are a kink above, a curvature at 1/2
+_SAME = 0.8
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A derivative from the lanes of one step.
+
+    Attributes
+    ----------
+    derivative : float
+        Derivative with respect to the relative change.
+    spread : float
+        Disagreement of the differences, which a smooth function without round-off does not have.
+    jump : float
+        Difference of the slopes on both sides; 0 for one-sided differences.
+    is_kink : bool
+        True when the slopes on both sides differ as much at half the step.
+    """
+
+    derivative: float
+    spread: float
+    jump: float
+    is_kink: bool
+
+
+def offsets_of(sides: tuple[bool, bool], factor: float = 1.0) -> Array:
+    """Return the relative changes of the lanes for one derivative."""
+    if all(sides):
+        return factor * np.array([sign * step for step in NEAR for sign in (1.0, -1.0)])
+    sign = 1.0 if sides[1] else -1.0
+    return factor * sign * np.array([*NEAR, NEAR[-1] / 2])
+
+
+def derivative_at(offsets: Array, values: Array, centre: float) -> Estimate:
+    """Compute a derivative by Richardson steps."""
+    with np.errstate(invalid="ignore"):
+        # values may be infinite
+        slopes = (values - centre) / offsets
+    if offsets.size < LANES:
+        linear = 2 * slopes[1:] - slopes[:-1]
+        jump, twice = 0.0, 0.0
+    else:
+        jumps = slopes[::2] - slopes[1::2]
+        jump, twice = float(jumps[2]), float(jumps[1])
+        linear = (slopes[::2] + slopes[1::2]) / 2
+    # two Richardson steps: the one with the larger steps has less round-off
+    large, small = (4 * linear[1:] - linear[:-1]) / 3
+    # curvature halves the jump with the step
+    spread = max(abs(small - large), abs(jump - twice / 2))
+    is_kink = _SAME * abs(twice) < abs(jump) < abs(twice) / _SAME
+    return Estimate(float(large), float(spread), jump, is_kink)
+
+
+def resolution(values: Array) -> float:
+    """Return the smallest difference that values can have.
+
+    A quantity that is a difference of larger numbers, such as the increment of a force, has fewer
+    binary digits than its type.
+    """
+    kept = values[np.isfinite(values) & (values != 0)]
+    if kept.size == 0 or (kept == kept[0]).all():
+        return 0.0
+    mantissas, exponents = np.frexp(kept)
+    whole = (mantissas * 2.0**53).astype(np.int64)
+    # the lowest bit of a whole number
+    return float((np.ldexp(1.0, exponents - 53) * (whole & -whole)).min())
+
+
+def valid_range(offsets: Array, changes: Array, derivative: float, floor: float) -> float:
+    """Find the largest relative change up to which a linear prediction holds on every side."""
+    if not np.isfinite(derivative):
+        return 0.0
+    predicted = derivative * offsets
+    wrong = np.abs(changes - predicted)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(wrong <= floor, 0.0, wrong / np.minimum(abs(changes), abs(predicted)))
+    share = np.where(np.isnan(share), np.inf, share)
+    ends = []
+    for side in (offsets > 0, offsets < 0):
+        if side.any():
+            order = np.argsort(abs(offsets[side]))
+            ends.append(_first_end(abs(offsets[side])[order], share[side][order]))
+    return min(ends)
+
+
+def _first_end(steps: Array, share: Array) -> float:
+    """Return the step at which the share first exceeds the limit, between two lanes by a line."""
+    above = np.flatnonzero(share > _VALID)
+    if above.size == 0:
+        return float(steps[-1])
+    i = int(above[0])
+    if i == 0:
+        return 0.0
+    if not np.isfinite(share[i]):
+        return float(steps[i - 1])
+    part = _CAUTION * (_VALID - share[i - 1]) / (share[i] - share[i - 1])
+    return float(steps[i - 1] + part * (steps[i] - steps[i - 1]))
+
+
 # an element of a list, as in a namelist: storey_F_y(2)
 _ELEMENT = re.compile(r"(.+)\((\d+)\)")
 
@@ -68,27 +168,7 @@ class Parameter:
 def find_parameters(
     case: Case, names: Sequence[str], columns: Sequence[str] = ()
 ) -> list[Parameter]:
-    """Look up the parameters of a request.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    names : sequence of str
-        Keys of the case, with or without their group, and elements of lists as ``k(2)``.
-    columns : sequence of str
-        Columns that vary over points and grid.
-
-    Returns
-    -------
-    list of Parameter
-        In the same order.
-
-    Raises
-    ------
-    InputError
-        When a name is unknown, or its key is not a real number of the case.
-    """
+    """Look up the parameters of a request."""
     if not names:
         raise InputError("parameters: none is given")
     found = [_find(case, name, columns) for name in names]
@@ -130,25 +210,7 @@ def _find(case: Case, name: str, columns: Sequence[str]) -> Parameter:
 
 
 def value_of(case: Case, item: Parameter) -> Array:
-    """Return the value of a parameter in a case.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        One number, or those of a list.
-
-    Raises
-    ------
-    InputError
-        When the case has no such number, or derives it from others.
-    """
+    """Return the value of a parameter in a case."""
     if item.column == SCALE:
         return np.ones(1)
     name, key = item.key
@@ -180,20 +242,7 @@ def value_of(case: Case, item: Parameter) -> Array:
 
 
 def is_given(case: Case, item: Parameter) -> bool:
-    """Return whether the case states a parameter, so that no other key changes it.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-
-    Returns
-    -------
-    bool
-        False for a default and for the period and mass ratio of storeys.
-    """
+    """Return whether the case states a parameter, so that no other key changes it."""
     name, key = item.key
     return item.column == SCALE or key in getattr(case.groups.get(name), "given", ())
 
@@ -206,20 +255,7 @@ def _givers(case: Case, group: str, key: str) -> list[str]:
 
 
 def scale_of(item: Parameter, value: float) -> float:
-    """Return the change of a parameter that counts as one.
-
-    Parameters
-    ----------
-    item : Parameter
-        The parameter.
-    value : float
-        Its value.
-
-    Returns
-    -------
-    float
-        The absolute value; for 0 the middle of the usual range, or 1 without one.
-    """
+    """Return the change of a parameter that counts as one."""
     if value != 0:
         return abs(value)
     ends = re.findall(r"[-+.\deE]+", "" if item.column == SCALE else _row(item).usual)
@@ -229,27 +265,7 @@ def scale_of(item: Parameter, value: float) -> float:
 
 
 def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> dict[bool, float]:
-    """Find the allowed decrease and increase of a parameter.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-    value, scale : float
-        Its value, and the change that counts as one.
-
-    Returns
-    -------
-    dict of bool to float
-        Largest of the tried changes for decreases (False) and increases (True); 0 for none.
-
-    Raises
-    ------
-    InputError
-        When the parameter can change in neither direction; the message is the kernel's.
-    """
+    """Find the allowed decrease and increase of a parameter."""
     found: dict[bool, float] = {}
     reasons: list[str] = []
     for is_up in (False, True):
@@ -283,22 +299,7 @@ def _accepted(case: Case, item: Parameter, value: float) -> Case | str:
 
 
 def changed_entries(case: Case, item: Parameter, value: float) -> Mapping[str, dict[str, object]]:
-    """Return the groups that give a parameter another value.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-    value : float
-        Its value; for a whole list the mean, whose numbers keep their ratios.
-
-    Returns
-    -------
-    dict of str to dict
-        Arguments of `Case.replace`.
-    """
+    """Return the groups that give a parameter another value."""
     name, key = item.key
     if not item.is_list:
         is_list = _row(item).kind.endswith("list")

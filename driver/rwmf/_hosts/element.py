@@ -8,14 +8,11 @@ from typing import Generic, NamedTuple, TypeVar, overload
 import numpy as np
 
 from rwmf._arguments import checked
-from rwmf._hosts.guard import Closable, Guard, NotPickled
-from rwmf._hosts.states import Reals
-from rwmf._library.hosts import KernelMember, Saved, event_names
+from rwmf._hosts.states import Closable, Guard, NotPickled, Reals
+from rwmf._library.stepping import KernelMember, Saved, event_names
 from rwmf._numbers import is_whole, show, to_number, to_shaped
 from rwmf.case.case import CaseLike, kernel_for_host
 from rwmf.errors import InputError, warn
-
-__all__ = ["Element", "ElementEvent", "ElementResponse", "ElementSnapshot"]
 
 _Real = TypeVar("_Real", float, Reals)
 _NO_MASS = np.empty((0, 0), order="F")

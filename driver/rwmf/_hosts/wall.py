@@ -9,10 +9,12 @@ from typing import TypeGuard
 import numpy as np
 
 from rwmf._arguments import case_of, checked, texts_of
-from rwmf._hosts.guard import Closable, Guard, NotPickled
 from rwmf._hosts.states import (
+    Closable,
     Counts,
     Flags,
+    Guard,
+    NotPickled,
     Reals,
     WallEvent,
     WallEvents,
@@ -21,12 +23,10 @@ from rwmf._hosts.states import (
     WallState,
 )
 from rwmf._library import check_threads
-from rwmf._library.hosts import KernelWalls, Saved, event_names
+from rwmf._library.stepping import KernelWalls, Saved, event_names
 from rwmf._numbers import show, to_array, to_items, to_number, to_shaped, to_whole
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError, warn
-
-__all__ = ["Wall", "WallSnapshot", "Walls"]
 
 # first part of the way to the horizon that is searched for an event
 _FIRST_PART = 1 / 64

@@ -3,10 +3,9 @@
 Nothing in this folder depends on a structure: a measure belongs to the site.
 """
 
-from rwmf._intensity.extrema import Array
 from rwmf._intensity.measures import DAMPING, KINDS, Intensity, choose_measure
 from rwmf._intensity.oscillator import pseudo_accelerations
-from rwmf._intensity.waveform import Waveform, waveform_of
+from rwmf._intensity.waveform import Array, Waveform, waveform_of
 
 __all__ = [
     "DAMPING",

@@ -10,13 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from rwmf._intensity.extrema import Array
 from rwmf._intensity.oscillator import pseudo_accelerations, rotated_pseudo_accelerations
-from rwmf._intensity.waveform import Waveform, aligned, rotated
+from rwmf._intensity.waveform import Array, Waveform, aligned, rotated
 from rwmf._numbers import show, to_array, to_number
 from rwmf.errors import InputError, did_you_mean
-
-__all__ = ["DAMPING", "KINDS", "Intensity", "choose_measure"]
 
 DAMPING = 0.05
 # periods of the Housner intensity [s], and the relative tolerance of its quadrature
@@ -123,47 +120,13 @@ class Intensity:
         return found
 
     def of(self, wave: Waveform, g: float) -> float:
-        """Compute the measure of one motion.
-
-        Parameters
-        ----------
-        wave : Waveform
-            The motion.
-        g : float
-            Acceleration of gravity in the Arias intensity [m/s2].
-
-        Returns
-        -------
-        float
-            The measure in SI units.
-        """
+        """Compute the measure of one motion."""
         if KINDS[self.kind].options:
             return self._spectral(lambda T: pseudo_accelerations(wave, T, self.damping or 0.0))
         return float(self._elementary(wave, g)[0])
 
     def of_pair(self, pair: tuple[Waveform, Waveform], component: str, g: float) -> float:
-        """Compute the measure of two horizontal components.
-
-        Parameters
-        ----------
-        pair : (Waveform, Waveform)
-            Components of one station.
-        component : str
-            ``geometric_mean``, or ``rotdNN``: the percentile NN over all directions. A measure from
-            a spectrum takes the percentile at each period.
-        g : float
-            Acceleration of gravity in the Arias intensity [m/s2].
-
-        Returns
-        -------
-        float
-            The measure in SI units.
-
-        Raises
-        ------
-        InputError
-            When the component is unknown or not for the kind, or when the times differ.
-        """
+        """Compute the measure of two horizontal components."""
         if component == _GEOMETRIC_MEAN:
             return math.sqrt(self.of(pair[0], g) * self.of(pair[1], g))
         match = _ROTATED.fullmatch(component)
@@ -228,25 +191,7 @@ class Intensity:
 
 
 def choose_measure(kind: object, **options: Any) -> Intensity:  # noqa: ANN401 (checked here)
-    """Check a kind and its options.
-
-    Parameters
-    ----------
-    kind : str
-        A name in `KINDS`.
-    **options
-        ``period``, ``periods``, ``damping``; None where not given.
-
-    Returns
-    -------
-    Intensity
-        The measure; the damping is 5 % unless given.
-
-    Raises
-    ------
-    InputError
-        When the kind is unknown, or an option is missing, out of range or does not belong to it.
-    """
+    """Check a kind and its options."""
     if not isinstance(kind, str) or kind not in KINDS:
         hint = did_you_mean(kind, KINDS) if isinstance(kind, str) else ""
         raise InputError(f"intensity = {show(kind)}: must be one of {', '.join(KINDS)}{hint}")

@@ -13,10 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rwmf._intensity.extrema import Array, Places, largest
-from rwmf._intensity.waveform import Waveform
-
-__all__ = ["pseudo_accelerations", "rotated_pseudo_accelerations"]
+from rwmf._intensity.waveform import Array, Places, Waveform, largest
 
 # numbers of one array; longer lists of periods are computed in parts
 _PART = 400_000
@@ -51,20 +48,6 @@ def histories(wave: Waveform, periods: Array, xi: float) -> History:
 
     The recurrence runs in blocks of about sqrt(n) steps at once; each starts from zero and then
     gets the state at its begin.
-
-    Parameters
-    ----------
-    wave : Waveform
-        One ground motion.
-    periods : array, shape (rows,)
-        Natural periods [s].
-    xi : float
-        Damping ratio [-].
-
-    Returns
-    -------
-    History
-        One row per period.
     """
     omega = 2 * math.pi / periods
     h, place = np.unique(wave.h, return_inverse=True)
@@ -132,20 +115,7 @@ def _steady(w: Array, xi: float, a: Array, slope: Array) -> tuple[Array, Array]:
 
 
 def _largest_displacements(wave: Waveform, history: History) -> Array:
-    """Find the largest |u| during the motion and in the free vibration behind it.
-
-    Parameters
-    ----------
-    wave : Waveform
-        The ground motion, one row or one per row of the history.
-    history : History
-        Its oscillators.
-
-    Returns
-    -------
-    array, shape (rows,)
-        Spectral displacements [m].
-    """
+    """Find the largest |u| during the motion and in the free vibration behind it."""
     during = _Steps(
         history.omega[:, None],
         history.xi,
@@ -202,22 +172,7 @@ class _Steps:
 
 
 def pseudo_accelerations(wave: Waveform, periods: Array, xi: float) -> Array:
-    """Compute a response spectrum.
-
-    Parameters
-    ----------
-    wave : Waveform
-        One ground motion.
-    periods : array, shape (n,)
-        Natural periods [s].
-    xi : float
-        Damping ratio [-].
-
-    Returns
-    -------
-    array, shape (n,)
-        Pseudo-accelerations omega^2 max|u| [m/s2].
-    """
+    """Compute a response spectrum."""
     rows = max(1, _PART // wave.t.size)
     found = []
     for first in range(0, periods.size, rows):
@@ -230,24 +185,7 @@ def pseudo_accelerations(wave: Waveform, periods: Array, xi: float) -> Array:
 def rotated_pseudo_accelerations(
     pair: tuple[Waveform, Waveform], period: float, xi: float, angles: Array
 ) -> Array:
-    """Compute the pseudo-acceleration of a pair at many angles.
-
-    Parameters
-    ----------
-    pair : (Waveform, Waveform)
-        Components with the same times.
-    period : float
-        Natural period [s].
-    xi : float
-        Damping ratio [-].
-    angles : array, shape (rows,)
-        Angles from the first to the second component [rad].
-
-    Returns
-    -------
-    array, shape (rows,)
-        Pseudo-accelerations [m/s2].
-    """
+    """Compute the pseudo-acceleration of a pair at many angles."""
     x, y = (histories(item, np.array([period]), xi) for item in pair)
     omega = np.full((angles.size, 1), x.omega[0])
 

@@ -3,15 +3,63 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from rwmf._intensity.extrema import Array, Places, largest
 from rwmf.case import Motion
 from rwmf.errors import InputError
 
-__all__ = ["Waveform", "aligned", "rotated", "waveform_of"]
+Array = npt.NDArray[np.float64]
+Places = npt.NDArray[np.int_]
+
+# relative gain below which an interval is no longer divided
+_GAIN = 1e-14
+# an interval is divided into this many parts; its possible gain falls with the square
+_PARTS = 4
+_FRACTIONS = np.arange(1, _PARTS) / _PARTS
+# far more divisions than doubles can distinguish
+_MOST_DIVISIONS = 60
+
+
+def largest(
+    left: Array,
+    right: Array,
+    widths: Array,
+    curvature: Array,
+    value: Callable[[Places, Places, Array], Array],
+) -> Array:
+    """Find the largest magnitude of each row over all steps, ends included.
+
+    Between two points a function exceeds the larger end by at most ``curvature width^2 / 8``. Steps
+    that could exceed the largest known value are divided until no such gain is left.
+    """
+    left, right = np.abs(left), np.abs(right)
+    ends = np.maximum(left, right)
+    best: Array = ends.max(axis=1)
+    widths = np.broadcast_to(widths, ends.shape)
+    row, step = np.nonzero(ends + curvature * widths**2 / 8 > best[:, None] * (1 + _GAIN))
+    begin, width = np.zeros(row.size), widths[row, step]
+    left, right = left[row, step], right[row, step]
+    for _ in range(_MOST_DIVISIONS):
+        if row.size == 0:
+            break
+        inside = begin[:, None] + width[:, None] * _FRACTIONS
+        found = np.abs(value(row[:, None], step[:, None], inside))
+        np.maximum.at(best, row, found.max(axis=1))
+        points = np.column_stack([left, found, right])
+        width = width / _PARTS
+        gain = curvature[row, step] * width**2 / 8
+        limit = best[row] * (1 + _GAIN)
+        parts = np.maximum(points[:, :-1], points[:, 1:]) + gain[:, None] > limit[:, None]
+        which, part = np.nonzero(parts)
+        begin = begin[which] + part * width[which]
+        left, right = points[which, part], points[which, part + 1]
+        row, step, width = row[which], step[which], width[which]
+    return best
+
 
 _UNITS = {"g": None, "m/s2": 1.0, "cm/s2": 0.01}
 # share of the Arias intensity at begin and end of the significant duration
@@ -55,61 +103,26 @@ class Waveform:
         return np.diff(self.rows) / self.h
 
     def scaled(self, factor: float) -> Waveform:
-        """Return the motion times a factor.
-
-        Parameters
-        ----------
-        factor : float
-            Factor on the accelerations [-].
-
-        Returns
-        -------
-        Waveform
-            The scaled motion.
-        """
+        """Return the motion times a factor."""
         return Waveform(self.t, self.a * factor)
 
     def velocities(self) -> Array:
-        """Integrate the accelerations from rest.
-
-        Returns
-        -------
-        array, shape (rows, n)
-            Velocities at the samples [m/s].
-        """
+        """Integrate the accelerations from rest."""
         a = self.rows
         return _accumulated(self.h * (a[:, :-1] + a[:, 1:]) / 2)
 
     def displacements(self) -> Array:
-        """Integrate the velocities from rest, without correction of the baseline.
-
-        Returns
-        -------
-        array, shape (rows, n)
-            Displacements at the samples [m].
-        """
+        """Integrate the velocities from rest, without correction of the baseline."""
         a, h = self.rows, self.h
         return _accumulated(h * self.velocities()[:, :-1] + h**2 * (2 * a[:, :-1] + a[:, 1:]) / 6)
 
     def peak_acceleration(self) -> Array:
-        """Largest |acceleration|.
-
-        Returns
-        -------
-        array, shape (rows,)
-            [m/s2].
-        """
+        """Largest |acceleration|."""
         peak: Array = np.abs(self.rows).max(axis=1)
         return peak
 
     def peak_velocity(self) -> Array:
-        """Largest |velocity|, between the samples as well.
-
-        Returns
-        -------
-        array, shape (rows,)
-            [m/s].
-        """
+        """Largest |velocity|, between the samples as well."""
         a, v, slope = self.rows, self.velocities(), self.slope
 
         def value(row: Places, step: Places, tau: Array) -> Array:
@@ -119,13 +132,7 @@ class Waveform:
         return largest(v[:, :-1], v[:, 1:], self.h, np.abs(slope), value)
 
     def peak_displacement(self) -> Array:
-        """Largest |displacement|, between the samples as well.
-
-        Returns
-        -------
-        array, shape (rows,)
-            [m].
-        """
+        """Largest |displacement|, between the samples as well."""
         a, v, u, slope = self.rows, self.velocities(), self.displacements(), self.slope
 
         def value(row: Places, step: Places, tau: Array) -> Array:
@@ -137,18 +144,7 @@ class Waveform:
         return largest(u[:, :-1], u[:, 1:], self.h, bound, value)
 
     def arias(self, g: float) -> Array:
-        """Arias intensity, pi/(2 g) times the integral of the squared acceleration.
-
-        Parameters
-        ----------
-        g : float
-            Acceleration of gravity [m/s2].
-
-        Returns
-        -------
-        array, shape (rows,)
-            [m/s].
-        """
+        """Arias intensity, pi/(2 g) times the integral of the squared acceleration."""
         total: Array = math.pi / (2 * g) * self._squares().sum(axis=1)
         return total
 
@@ -159,25 +155,13 @@ class Waveform:
         return squares
 
     def husid(self) -> Array:
-        """Share of the Arias intensity up to each sample.
-
-        Returns
-        -------
-        array, shape (rows, n)
-            From 0 to 1; 0 for a motion without acceleration [-].
-        """
+        """Share of the Arias intensity up to each sample."""
         done = _accumulated(self._squares())
         total = done[:, -1:]
         return done / np.where(total > 0, total, 1.0)
 
     def cumulative_absolute_velocity(self) -> Array:
-        """Integral of |acceleration|; a step with a change of sign has two triangles.
-
-        Returns
-        -------
-        array, shape (rows,)
-            [m/s].
-        """
+        """Integral of |acceleration|; a step with a change of sign has two triangles."""
         a, b = self.rows[:, :-1], self.rows[:, 1:]
         ends = np.abs(a) + np.abs(b)
         crossed = np.where(ends > 0, (a * a + b * b) / np.where(ends > 0, ends, 1.0), 0.0)
@@ -185,13 +169,7 @@ class Waveform:
         return total
 
     def significant_duration(self) -> Array:
-        """Time between 5 % and 95 % of the Arias intensity.
-
-        Returns
-        -------
-        array, shape (rows,)
-            D5-95 [s]; 0 for a motion without acceleration.
-        """
+        """Time between 5 % and 95 % of the Arias intensity."""
         done = _accumulated(self._squares())
         first, last = (self._reached(done, share * done[:, -1]) for share in _SIGNIFICANT)
         return np.where(done[:, -1] > 0, last - first, 0.0)
@@ -212,27 +190,7 @@ class Waveform:
 
 
 def waveform_of(motion: Motion, g: float, scale: float = 1.0) -> Waveform:
-    """Convert a motion to SI units.
-
-    Parameters
-    ----------
-    motion : Motion
-        The samples.
-    g : float
-        Acceleration of the unit 'g' [m/s2].
-    scale : float
-        Factor on the samples [-].
-
-    Returns
-    -------
-    Waveform
-        The motion in m/s2.
-
-    Raises
-    ------
-    InputError
-        When the accelerations are so large that their squares could overflow.
-    """
+    """Convert a motion to SI units."""
     unit = _UNITS[motion.unit]
     wave = Waveform(motion.times, motion.values * (scale * (g if unit is None else unit)))
     peak = float(wave.peak_acceleration()[0])
@@ -242,23 +200,7 @@ def waveform_of(motion: Motion, g: float, scale: float = 1.0) -> Waveform:
 
 
 def aligned(pair: tuple[Waveform, Waveform]) -> tuple[Waveform, Waveform]:
-    """Give two components the same times; the shorter one ends with zeros.
-
-    Parameters
-    ----------
-    pair : (Waveform, Waveform)
-        Components of one station.
-
-    Returns
-    -------
-    (Waveform, Waveform)
-        The components.
-
-    Raises
-    ------
-    InputError
-        When their samples have different times.
-    """
+    """Give two components the same times; the shorter one ends with zeros."""
     first, second = sorted(pair, key=lambda item: item.t.size)
     n = first.t.size
     if not np.allclose(first.t, second.t[:n], rtol=0, atol=1e-4 * float(second.h.min())):
@@ -268,20 +210,7 @@ def aligned(pair: tuple[Waveform, Waveform]) -> tuple[Waveform, Waveform]:
 
 
 def rotated(pair: tuple[Waveform, Waveform], angles: Array) -> Waveform:
-    """Rotate two horizontal components.
-
-    Parameters
-    ----------
-    pair : (Waveform, Waveform)
-        Components with the same times.
-    angles : array, shape (rows,)
-        Angles from the first to the second component [rad].
-
-    Returns
-    -------
-    Waveform
-        One row per angle.
-    """
+    """Rotate two horizontal components."""
     x, y = pair
     return Waveform(x.t, np.outer(np.cos(angles), x.a) + np.outer(np.sin(angles), y.a))
 

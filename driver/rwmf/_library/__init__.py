@@ -13,20 +13,30 @@ from rwmf._library.kernel_case import (
     read_case,
     read_host_case,
 )
-from rwmf._library.record_files import FileChannel, read_record, read_record_header, unit_named
-from rwmf._library.results import Run, Spectrum
-from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
-from rwmf._library.static_curve import StaticCurve, compute_curve
+from rwmf._library.results import (
+    Run,
+    Spectrum,
+    StaticCurve,
+    check_threads,
+    compute_curve,
+    start_rows,
+    start_simulation,
+    start_spectrum,
+)
 from rwmf._library.tables import (
+    FileChannel,
     KeyRow,
     digits_of,
     instruction_set,
     meant_quantity,
     needs_of_groups,
     quantities,
+    read_record,
+    read_record_header,
     result_names,
     schema,
     strip_under,
+    unit_named,
     unusual_record,
     version,
 )

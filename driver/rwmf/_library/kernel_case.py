@@ -11,19 +11,15 @@ import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, split_table
-from rwmf._library.memory import Memory
+from rwmf._library.marshalling import (
+    Memory,
+    encode,
+    fetch_text,
+    message_buffer,
+    raise_for,
+    split_table,
+)
 from rwmf.errors import InputError, without_lines
-
-__all__ = [
-    "Changes",
-    "KernelCase",
-    "Samples",
-    "SceneAxis",
-    "keep_samples",
-    "read_case",
-    "read_host_case",
-]
 
 
 class SceneAxis(NamedTuple):
@@ -45,13 +41,7 @@ class SceneAxis(NamedTuple):
 
 
 class Samples:
-    """Validated samples of a ground motion.
-
-    Parameters
-    ----------
-    memory : Memory
-        Memory in the kernel.
-    """
+    """Validated samples of a ground motion."""
 
     def __init__(self, memory: Memory) -> None:
         self._memory = memory
@@ -78,17 +68,7 @@ class Changes(NamedTuple):
 
 
 class KernelCase:
-    """A case in the kernel, safe for concurrent computations.
-
-    Parameters
-    ----------
-    memory : Memory
-        Memory in the kernel.
-    origin : KernelCase, optional
-        For a changed case: the case that was read.
-    source : str
-        Beginning of messages.
-    """
+    """A case in the kernel, safe for concurrent computations."""
 
     def __init__(self, memory: Memory, origin: KernelCase | None = None, source: str = "") -> None:
         self._memory = memory
@@ -105,23 +85,7 @@ class KernelCase:
         return self._memory.handle
 
     def find(self, changes: Changes) -> Memory:
-        """Look up keys to change; the last ones are cached.
-
-        Parameters
-        ----------
-        changes : Changes
-            The keys.
-
-        Returns
-        -------
-        Memory
-            Argument of `changed`.
-
-        Raises
-        ------
-        InputError
-            When the case has no such key, or the key holds no numbers.
-        """
+        """Look up keys to change; the last ones are cached."""
         last = self._looked_up
         if last is not None and last[0] == changes:
             return last[1]
@@ -135,27 +99,7 @@ class KernelCase:
         return found
 
     def changed(self, found: Memory, numbers: npt.NDArray[np.float64], source: str) -> KernelCase:
-        """Make a case with other numbers; it shares the records' samples and the motion.
-
-        Parameters
-        ----------
-        found : Memory
-            From `find`.
-        numbers : numpy.ndarray, shape (n,)
-            One per key, lists concatenated; logicals as 1 and 0.
-        source : str
-            Beginning of messages.
-
-        Returns
-        -------
-        KernelCase
-            The other case.
-
-        Raises
-        ------
-        InputError
-            When a number is not acceptable.
-        """
+        """Make a case with other numbers; it shares the records' samples and the motion."""
         message = message_buffer()
         handle, status, n = _cases.case_change(
             self.handle, found.handle, numbers, encode(source), message
@@ -164,65 +108,24 @@ class KernelCase:
         return KernelCase(Memory(handle), self._origin or self, source)
 
     def ordinates(self) -> int:
-        """Count the ordinates of the case's spectrum.
-
-        Returns
-        -------
-        int
-            Their number, 0 without `&spectrum`.
-        """
+        """Count the ordinates of the case's spectrum."""
         return int(_cases.ordinates(self.handle))
 
     def describe(self) -> list[list[str]]:
-        """Return one row per value: ``group.key``, type, value, unit, ``given`` or ``default``.
-
-        Returns
-        -------
-        list of list of str
-            In the kernel's order.
-        """
+        """Return one row per value: ``group.key``, type, value, unit, ``given`` or ``default``."""
         return split_table(fetch_text(_kernel.describe, self.handle))
 
     def inventory(self) -> dict[str, list[str]]:
-        """List effects and outputs of the case.
-
-        Returns
-        -------
-        dict of str to list of str
-            ``effects``, ``absent`` (effects that are not simulated), ``states``, ``events``,
-            ``scalars``, ``columns`` when there is a history, and ``notes`` (sentences).
-
-        Raises
-        ------
-        InputError, NumericalError
-            When the case cannot be simulated.
-        """
+        """List effects and outputs of the case."""
         rows = split_table(self._ask(_kernel.inventory))
         return {word: [name for name in names if name] for word, *names in rows}
 
     def applicable(self) -> list[str]:
-        """List the keys of the quantities available in a spectrum of the scene.
-
-        Returns
-        -------
-        list of str
-            In the order of the kernel's table.
-
-        Raises
-        ------
-        InputError, NumericalError
-            When the case cannot be simulated.
-        """
+        """List the keys of the quantities available in a spectrum of the scene."""
         return self._ask(_kernel.applicable).split("\t")
 
     def axes(self) -> dict[str, SceneAxis]:
-        """Return the axes that a spectrum of the scene can have, with their definitions.
-
-        Returns
-        -------
-        dict of str to SceneAxis
-            ``b``, ``gamma`` and ``T_s``, those that the scene has, the slowest first.
-        """
+        """Return the axes that a spectrum of the scene can have, with their definitions."""
         rows = split_table(fetch_text(_kernel.axes_of_case, self.handle))[:-1]
         return {
             name: SceneAxis(float(value) if value else None, unit, meaning)
@@ -230,70 +133,25 @@ class KernelCase:
         }
 
     def default_quantity(self) -> str:
-        """Return the key of the quantity that a spectrum reports by default.
-
-        Returns
-        -------
-        str
-            Displacement of the frame, or without a frame the rotation.
-        """
+        """Return the key of the quantity that a spectrum reports by default."""
         return fetch_text(_kernel.axes_of_case, self.handle).splitlines()[-1]
 
     def spectrum_method(self) -> str:
-        """Return the name of the method for a spectrum or a sweep of the case.
-
-        Returns
-        -------
-        str
-            Value of `&solver method`, with ``auto`` resolved.
-        """
+        """Return the name of the method for a spectrum or a sweep of the case."""
         return fetch_text(_kernel.spectrum_method, self.handle)
 
     def warnings(self, keys: Iterable[str] = ()) -> list[str]:
-        """Return the warnings about the case and its spectrum.
-
-        Parameters
-        ----------
-        keys : iterable of str, optional
-            Requested quantities; otherwise those of the case.
-
-        Returns
-        -------
-        list of str
-            One line per warning.
-        """
+        """Return the warnings about the case and its spectrum."""
         requested = encode("\t".join(keys))
         text = fetch_text(_kernel.case_warnings, self.handle, requested)
         return [line for line in text.split("\t") if line]
 
     def motion_warnings(self) -> list[str]:
-        """Return the warnings about the motion of the case, whatever its outputs.
-
-        Returns
-        -------
-        list of str
-            One line per warning.
-        """
+        """Return the warnings about the motion of the case, whatever its outputs."""
         return self.warnings(("u_s_max_m",))
 
     def paper_coefficients(self, theta: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Compute the coefficients of Eq. (15).
-
-        Parameters
-        ----------
-        theta : numpy.ndarray, shape (n,)
-            Rotations [rad].
-
-        Returns
-        -------
-        numpy.ndarray, shape (n, 4)
-            A_1 to A_4 where the sign of theta is negative, else B_1 to B_4.
-
-        Raises
-        ------
-        InputError
-            When the case has no wall or no period.
-        """
+        """Compute the coefficients of Eq. (15)."""
         found = np.empty((theta.size, 4), order="F")
         message = message_buffer()
         status, n = _kernel.paper_coefficients(self.handle, theta, found, message)
@@ -315,18 +173,7 @@ class KernelCase:
 
     @contextmanager
     def own_lines(self) -> Iterator[None]:
-        """Remove line numbers from messages about text that the user has not written.
-
-        Yields
-        ------
-        None
-            Control to the block.
-
-        Raises
-        ------
-        InputError
-            Replaces the one that is raised inside.
-        """
+        """Remove line numbers from messages about text that the user has not written."""
         try:
             yield
         except InputError as error:
@@ -335,33 +182,15 @@ class KernelCase:
             raise InputError(without_lines(str(error))) from None
 
     def limited_demands(self) -> list[str]:
-        """Return the keys of the demands that `&limits` requests, with numbers of floors.
-
-        Returns
-        -------
-        list of str
-            In the order of the table of quantities; empty without limits.
-        """
+        """Return the keys of the demands that `&limits` requests, with numbers of floors."""
         return fetch_text(_kernel.limited_demands, self.handle).split()
 
     def end_of_motion(self) -> float:
-        """Return the end of the pulse or record; 0 without motion [s].
-
-        Returns
-        -------
-        float
-            The time [s].
-        """
+        """Return the end of the pulse or record; 0 without motion [s]."""
         return float(_kernel.end_of_motion(self.handle))
 
     def peak_of_motion(self) -> float:
-        """Return the largest horizontal acceleration of the ground [m/s2].
-
-        Returns
-        -------
-        float
-            The acceleration, 0 without motion.
-        """
+        """Return the largest horizontal acceleration of the ground [m/s2]."""
         return float(_kernel.peak_of_motion(self.handle))
 
 
@@ -372,53 +201,13 @@ def read_case(
     motion: Samples | None = None,
     vertical: Samples | None = None,
 ) -> KernelCase:
-    """Read and validate a case.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text.
-    source : str
-        Path of its file, whose folder record paths are relative to; '' for text made in memory.
-    known : KernelCase, optional
-        A case whose samples are reused for the same record, instead of reading the file again.
-    motion, vertical : Samples, optional
-        Samples for `&motion file` and `&vertical file`; no file is read.
-
-    Returns
-    -------
-    KernelCase
-        The case for computations.
-
-    Raises
-    ------
-    InputError
-        When the case is not acceptable.
-    """
+    """Read and validate a case."""
     others = [0 if kept is None else kept.handle for kept in (known, motion, vertical)]
     return _read(text, source, others, is_for_host=False)
 
 
 def read_host_case(text: str, source: str) -> KernelCase:
-    """Read and validate a case for an element.
-
-    Parameters
-    ----------
-    text : str
-        Namelist text; ``T_s`` and ``xi_s`` of `&frame` and ``t_end`` may be absent.
-    source : str
-        As for `read_case`.
-
-    Returns
-    -------
-    KernelCase
-        The case.
-
-    Raises
-    ------
-    InputError
-        When the case is not acceptable.
-    """
+    """Read and validate a case for an element."""
     return _read(text, source, [0, 0, 0], is_for_host=True)
 
 
@@ -432,25 +221,7 @@ def _read(text: str, source: str, others: list[int], *, is_for_host: bool) -> Ke
 
 
 def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Samples:
-    """Check samples of a ground motion and store them in the kernel.
-
-    Parameters
-    ----------
-    values : numpy.ndarray, shape (n,)
-        Accelerations.
-    times : numpy.ndarray, shape (n,), or None
-        Times [s]; None when the case gives the interval.
-
-    Returns
-    -------
-    Samples
-        Argument of `read_case`.
-
-    Raises
-    ------
-    InputError
-        When a number is not finite, or times do not increase.
-    """
+    """Check samples of a ground motion and store them in the kernel."""
     message = message_buffer()
     times = np.zeros(0) if times is None else times
     handle, status, n = _cases.samples_keep(values, times, message)

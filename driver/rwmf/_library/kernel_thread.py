@@ -14,8 +14,6 @@ import numpy.typing as npt
 from rwmf._library.marshalling import raise_for
 from rwmf.errors import Interrupted
 
-__all__ = ["NoResult", "Progress", "wait_for", "write"]
-
 Progress = Callable[[int], None]
 _T = TypeVar("_T")
 
@@ -32,34 +30,7 @@ def wait_for(
     wrap: Callable[[int], _T],
     progress: Progress | None,
 ) -> _T:
-    """Wait for a call of the kernel, interruptible by Ctrl-C, and wrap the returned handle.
-
-    Parameters
-    ----------
-    call : callable
-        Receives two whole numbers, its progress counter and the stop flag that it polls; returns
-        handle, status and length of the message.
-    message : numpy.ndarray of bytes, shape (n,)
-        Buffer for the message of the call.
-    source : str
-        Beginning of messages: path of the case's file, or ''.
-    wrap : callable
-        Makes the result from the handle.
-    progress : callable, optional
-        Called about 20 times a second with the progress counter.
-
-    Returns
-    -------
-    object
-        Result of `wrap`.
-
-    Raises
-    ------
-    InputError, NumericalError
-        As the kernel reports them.
-    Interrupted
-        After Ctrl-C.
-    """
+    """Wait for a call of the kernel, interruptible by Ctrl-C, and wrap the returned handle."""
     control = np.zeros(2, dtype=np.int64)
     if progress is None and threading.current_thread() is not threading.main_thread():
         # only the main thread receives signals: this one cannot be interrupted
@@ -74,13 +45,7 @@ def wait_for(
 
 
 class NoResult:
-    """Result of a call that returns none.
-
-    Parameters
-    ----------
-    _ : int
-        Handle, not used.
-    """
+    """Result of a call that returns none."""
 
     def __init__(self, _: int) -> None:
         pass
@@ -90,23 +55,7 @@ class NoResult:
 
 
 def write(call: Callable[[npt.NDArray[np.int64]], tuple[int, int]]) -> tuple[int, int]:
-    """Wait until the kernel has written files, interruptible by Ctrl-C.
-
-    Parameters
-    ----------
-    call : callable
-        Receives two whole numbers, as in `wait_for`; returns status and length of the message.
-
-    Returns
-    -------
-    tuple of int
-        Result of the call.
-
-    Raises
-    ------
-    Interrupted
-        After Ctrl-C, unless the files were already complete.
-    """
+    """Wait until the kernel has written files, interruptible by Ctrl-C."""
     control = np.zeros(2, dtype=np.int64)
     if threading.current_thread() is not threading.main_thread():
         return call(control)

@@ -8,7 +8,35 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
+
+
+class Memory:
+    """Memory of the kernel behind a handle, released with the last reference."""
+
+    __slots__ = ("handle",)
+
+    def __init__(self, handle: int) -> None:
+        self.handle = int(handle)
+
+    def __del__(self, release: Callable[[int], None] = _kernel.release) -> None:
+        release(self.handle)
+
+
+class MemoryView:
+    """Array interface for numpy to an array of the kernel; it keeps the memory alive."""
+
+    def __init__(self, memory: Memory, address: int, shape: tuple[int, ...]) -> None:
+        self.memory = memory
+        # C order: the first index of Fortran, which varies fastest, is the last one here
+        self.__array_interface__ = {
+            "version": 3,
+            "typestr": np.dtype(np.float64).str,
+            "shape": tuple(int(n) for n in shape),
+            "data": (int(address), False),
+        }
+
 
 FIRST_BUFFER = 65536
 _MESSAGE_BYTES = 8192
@@ -24,26 +52,7 @@ def raise_for(
     writing: bool = False,
     source: str = "",
 ) -> None:
-    """Raise the exception for a status of the kernel; its message begins with the case's file.
-
-    Parameters
-    ----------
-    status : int
-        Status of the kernel; 0 means success.
-    message : numpy.ndarray of bytes, shape (n,)
-        The kernel's message.
-    length : int
-        Length of the message [bytes], possibly longer than the buffer.
-    writing : bool
-        True when the call writes a file.
-    source : str
-        Beginning of messages: path of the case's file, or ''.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        When the status is not 0; the status determines the type.
-    """
+    """Raise the exception for a status of the kernel; its message begins with the case's file."""
     if status == 0:
         return
     text = decode(message, min(length, message.size))
@@ -55,20 +64,7 @@ def raise_for(
 
 
 def fetch_text(procedure: Callable[..., int], *arguments: object) -> str:
-    """Fetch a text, with a second call when the first buffer is too small.
-
-    Parameters
-    ----------
-    procedure : callable
-        Fills the buffer in its last argument and returns the length of the text [bytes].
-    *arguments
-        Its other arguments.
-
-    Returns
-    -------
-    str
-        The text.
-    """
+    """Fetch a text, with a second call when the first buffer is too small."""
     size = FIRST_BUFFER
     while True:
         buffer = np.empty(size, dtype=np.int8)
@@ -79,24 +75,7 @@ def fetch_text(procedure: Callable[..., int], *arguments: object) -> str:
 
 
 def summary_item(line: str, real: float, count: int) -> tuple[str, Any]:
-    """Return key and typed value of a line ``key<TAB>kind<TAB>text`` and its numbers.
-
-    Parameters
-    ----------
-    line : str
-        The line.
-    real : float
-        Value of a real.
-    count : int
-        Value of a whole number or of a logical.
-
-    Returns
-    -------
-    str
-        The key.
-    float, int, bool, str or list of str
-        The value.
-    """
+    """Return key and typed value of a line ``key<TAB>kind<TAB>text`` and its numbers."""
     key, kind, text = line.split("\t", 2)
     if kind == "list":
         return key, text.split("\t") if text else []
@@ -104,67 +83,23 @@ def summary_item(line: str, real: float, count: int) -> tuple[str, Any]:
 
 
 def split_table(text: str) -> list[list[str]]:
-    """Split a text into rows and cells.
-
-    Parameters
-    ----------
-    text : str
-        One line per row, tabs between cells.
-
-    Returns
-    -------
-    list of list of str
-        The cells.
-    """
+    """Split a text into rows and cells."""
     return [line.split("\t") for line in split_lines(text)]
 
 
 def split_lines(text: str) -> list[str]:
-    """Split a text at line feeds only: names of files may contain other separators, as U+2028.
-
-    Parameters
-    ----------
-    text : str
-        Lines; the last one may lack its line feed.
-
-    Returns
-    -------
-    list of str
-        The lines.
-    """
+    """Split a text at line feeds only: names of files may contain other separators, as U+2028."""
     lines = text.split("\n")
     return lines if lines[-1] else lines[:-1]
 
 
 def message_buffer() -> npt.NDArray[np.int8]:
-    """Allocate a buffer for a message of the kernel.
-
-    Returns
-    -------
-    numpy.ndarray of bytes, shape (8192,)
-        The buffer.
-    """
+    """Allocate a buffer for a message of the kernel."""
     return np.empty(_MESSAGE_BYTES, dtype=np.int8)
 
 
 def encode(text: str) -> bytes:
-    """Encode a text for the kernel.
-
-    Parameters
-    ----------
-    text : str
-        The text.
-
-    Returns
-    -------
-    bytes
-        UTF-8, or the original bytes of a file name.
-
-    Raises
-    ------
-    InputError
-        When UTF-8 cannot hold the text.
-    """
+    """Encode a text for the kernel."""
     try:
         # surrogates in file names that are not UTF-8 become the original bytes
         return text.encode("utf-8", "surrogateescape")
@@ -174,18 +109,5 @@ def encode(text: str) -> bytes:
 
 
 def decode(buffer: npt.NDArray[np.int8], length: int) -> str:
-    """Decode a text of the kernel.
-
-    Parameters
-    ----------
-    buffer : numpy.ndarray of bytes, shape (n,)
-        Buffer filled by the kernel.
-    length : int
-        Length of the text [bytes].
-
-    Returns
-    -------
-    str
-        The text.
-    """
+    """Decode a text of the kernel."""
     return buffer[:length].tobytes().decode("utf-8", "surrogateescape")

@@ -19,15 +19,6 @@ if TYPE_CHECKING:
     from rwmf.case import Case
 
 
-__all__ = [
-    "Measurement",
-    "Reference",
-    "measure_fixed_steps",
-    "measure_method",
-    "requested_peak",
-    "solve_reference",
-]
-
 # number of stored impact times; only chatter exceeds it
 _MOST_IMPACTS = 20000
 
@@ -80,46 +71,13 @@ class Reference(Measurement):
 
 
 def requested_peak(case: Case) -> str | None:
-    """Return the quantity whose accuracy a case requests.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    str or None
-        Value of `&solver accuracy_of`, None for the kernel's default.
-    """
+    """Return the quantity whose accuracy a case requests."""
     requested: str | None = getattr(case.solver, "accuracy_of", None)
     return requested
 
 
 def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measurement:
-    """Measure repeated runs of a case with a method and a tolerance.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    method : str
-        As `&solver method`.
-    rtol : float
-        As `&solver rtol` [-].
-    budget : float
-        Time for repetitions [s]; 0: one run.
-
-    Returns
-    -------
-    Measurement
-        The results.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the kernel reports them.
-    """
+    """Measure repeated runs of a case with a method and a tolerance."""
 
     def call(
         control: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
@@ -141,29 +99,7 @@ def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measu
 
 
 def measure_fixed_steps(case: Case, name: str, divisor: float, budget: float) -> Measurement:
-    """Measure repeated runs of a case with fixed steps.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    name : str
-        'rk4' or 'newmark'.
-    divisor : float
-        Ratio of the usual sampling interval to the step [-].
-    budget : float
-        Time for repetitions [s]; 0: one run.
-
-    Returns
-    -------
-    Measurement
-        The results.
-
-    Raises
-    ------
-    InputError, NumericalError
-        As the kernel reports them.
-    """
+    """Measure repeated runs of a case with fixed steps."""
 
     def call(
         _: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
@@ -193,26 +129,6 @@ def solve_reference(
 
     The quadruple kernel is a separate library, which cannot use a case of the double kernel: it
     reads the text and the records again.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    rtol_loose, rtol : float
-        Relative tolerances [-]; the results are those of the second.
-    progress : callable, optional
-        Called about 20 times a second with the number of finished runs; an exception that it raises
-        stops the kernel.
-
-    Returns
-    -------
-    Reference
-        Results, and their differences between the tolerances.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the kernel reports them.
     """
     if case.motions:
         raise InputError("the quadruple kernel reads records from files: case.to_namelist(path)")

@@ -8,44 +8,122 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.marshalling import encode, fetch_text, split_lines, split_table
+from rwmf._library.marshalling import (
+    Memory,
+    decode,
+    encode,
+    fetch_text,
+    message_buffer,
+    raise_for,
+    split_lines,
+    split_table,
+)
 
-__all__ = [
-    "KeyRow",
-    "digits_of",
-    "instruction_set",
-    "meant_quantity",
-    "needs_of_groups",
-    "quantities",
-    "result_names",
-    "schema",
-    "strip_under",
-    "unusual_record",
-    "version",
-]
+_BUFFER = 200
+
+
+class FileHeader(NamedTuple):
+    """Header of a record file.
+
+    Attributes
+    ----------
+    is_at2 : bool
+        True for an AT2 file.
+    unit : str, optional
+        Unit of the samples; None where the file gives none, or several.
+    channels : int
+        Number of columns of accelerations.
+    """
+
+    is_at2: bool
+    unit: str | None
+    channels: int
+
+
+class FileChannel(NamedTuple):
+    """Samples of a record file.
+
+    Attributes
+    ----------
+    format : str
+        'AT2', 'one column', 'two columns' or 'table'.
+    unit : str
+        Unit of the values: 'g', 'm/s2' or 'cm/s2'.
+    name : str
+        Name of the column.
+    dt : float, optional
+        Interval [s].
+    values : array, shape (n,)
+        Accelerations.
+    times : array, shape (n,), optional
+        Times [s].
+    """
+
+    format: str
+    unit: str
+    name: str
+    dt: float | None
+    values: npt.NDArray[np.float64]
+    times: npt.NDArray[np.float64] | None
+
+
+def read_record_header(content: bytes) -> FileHeader:
+    """Read the header of a record file."""
+    message, buffer = message_buffer(), np.empty(_BUFFER, dtype=np.int8)
+    length, status, n = _cases.record_header(_bytes(content), buffer, message)
+    raise_for(status, message, n)
+    name, unit, channels = decode(buffer, length).split("\t")
+    return FileHeader(name == "AT2", unit or None, int(channels))
+
+
+def read_record(content: bytes, unit: str | None, dt: float | None) -> list[FileChannel]:
+    """Read the samples of a record file."""
+    message = message_buffer()
+    handle, channels, status, n = _cases.record_read(
+        _bytes(content), encode(unit or ""), 0.0 if dt is None else dt, message
+    )
+    raise_for(status, message, n)
+    memory = Memory(handle)
+    return [_channel(memory.handle, i + 1) for i in range(int(channels))]
+
+
+def unit_named(text: str) -> tuple[str, str, float, float]:
+    """Return the unit that a text of a file names."""
+    ratio = np.ones(2)
+    quantity, base = fetch_text(_cases.unit_named, encode(text), ratio).split("\t")
+    return quantity, base, float(ratio[0]), float(ratio[1])
+
+
+def _channel(handle: int, number: int) -> FileChannel:
+    facts = fetch_text(_cases.channel_facts, handle, number).split("\t")
+    name, unit, column, dt, size, has_times = facts
+    values = np.empty(int(size))
+    times = np.empty(int(size) if has_times == "1" else 0)
+    _cases.channel_samples(handle, number, values, times)
+    return FileChannel(
+        name,
+        unit,
+        column,
+        float(dt) if dt else None,
+        values,
+        times if times.size else None,
+    )
+
+
+def _bytes(content: bytes) -> npt.NDArray[np.int8]:
+    return np.frombuffer(content, dtype=np.int8)
 
 
 @functools.cache
 def version() -> str:
-    """Return the version of the compiled kernel.
-
-    Returns
-    -------
-    str
-        Three numbers separated by dots.
-    """
+    """Return the version of the compiled kernel."""
     return fetch_text(_kernel.version)
 
 
 def instruction_set() -> str:
-    """Return the instruction set that spectra use on this processor.
-
-    Returns
-    -------
-    str
-        For example ``'x86-64-v4'``.
-    """
+    """Return the instruction set that spectra use on this processor."""
     return fetch_text(_kernel.instruction_set)
 
 
@@ -57,7 +135,8 @@ class KeyRow(NamedTuple):
     group, key : str
         Names in the namelist.
     kind : str
-        'real', 'reals' (one number, or one for each element), 'integer', 'logical', 'choice', 'text' or '... list'.
+        'real', 'reals' (one number, or one for each element), 'integer', 'logical', 'choice',
+        'text' or '... list'.
     unit, default, allowed, meaning : str
         As in the reference of the namelist.
     usual : str
@@ -79,24 +158,12 @@ class KeyRow(NamedTuple):
 
 @functools.cache
 def schema() -> tuple[KeyRow, ...]:
-    """Return the kernel's table of groups and keys.
-
-    Returns
-    -------
-    tuple of KeyRow
-        In the order of the documentation.
-    """
+    """Return the kernel's table of groups and keys."""
     return tuple(KeyRow(*cells) for cells in split_table(fetch_text(_kernel.schema)))
 
 
 def needs_of_groups() -> dict[str, list[str]]:
-    """Return the groups of a case, each with the groups that it requires.
-
-    Returns
-    -------
-    dict of str to list of str
-        In the order of the documentation.
-    """
+    """Return the groups of a case, each with the groups that it requires."""
     rows = split_table(fetch_text(_kernel.groups))
     found: dict[str, list[str]] = {}
     for name, *needs in rows:
@@ -105,31 +172,12 @@ def needs_of_groups() -> dict[str, list[str]]:
 
 
 def quantities() -> list[list[str]]:
-    """Return the kernel's table of output quantities.
-
-    Returns
-    -------
-    list of list of str
-        One row per quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
-    """
+    """Return the kernel's table of output quantities."""
     return split_table(fetch_text(_kernel.quantities))
 
 
 def digits_of(rtol: float, sensitivity: float) -> int:
-    """Count the digits of a peak that hold.
-
-    Parameters
-    ----------
-    rtol : float
-        Relative tolerance of the run [-].
-    sensitivity : float
-        Relative change of the peak per relative change of the motion [-].
-
-    Returns
-    -------
-    int
-        The number, 1 at least.
-    """
+    """Count the digits of a peak that hold."""
     return int(_kernel.digits_of(rtol, sensitivity))
 
 
@@ -142,73 +190,20 @@ def strip_under(
     phi: npt.NDArray[np.float64],
     found: npt.NDArray[np.float64],
 ) -> None:
-    """Compute contact, toe stress, moment and settlement of a strip under a base.
-
-    Parameters
-    ----------
-    width, thickness : float
-        Dimensions of the base [m].
-    k : float
-        Stiffness per area [N/m3].
-    strength : float
-        Largest stress [Pa].
-    normal : numpy.ndarray, shape (n,)
-        Compressive forces [N].
-    phi : numpy.ndarray, shape (n,)
-        Magnitudes of the rotation [rad].
-    found : numpy.ndarray, shape (n, 4), in the order of Fortran
-        Contact lengths [m], toe stresses [Pa], moments [N m], stiffness times settlement [Pa].
-    """
+    """Compute contact, toe stress, moment and settlement of a strip under a base."""
     _kernel.strip_under(width, thickness, k, strength, normal, phi, found)
 
 
 def meant_quantity(word: str) -> str:
-    """Find the quantity for a technical term or a misspelled key.
-
-    Parameters
-    ----------
-    word : str
-        The word.
-
-    Returns
-    -------
-    str
-        Key of the quantity, '' for none.
-    """
+    """Find the quantity for a technical term or a misspelled key."""
     return fetch_text(_kernel.meant_quantity, encode(word[:80]))
 
 
 def unusual_record(peak: float, interval: float, duration: float) -> str:
-    """Return the warning about a record that is no earthquake in these units.
-
-    Parameters
-    ----------
-    peak : float
-        Largest acceleration over g [-].
-    interval : float
-        Mean distance of the samples [s].
-    duration : float
-        Duration [s].
-
-    Returns
-    -------
-    str
-        The text, '' for a usual record.
-    """
+    """Return the warning about a record that is no earthquake in these units."""
     return fetch_text(_kernel.unusual_record, peak, interval, duration)
 
 
 def result_names(source: str) -> list[str]:
-    """Return the names of the files that the batch program may write for a case.
-
-    Parameters
-    ----------
-    source : str
-        Path of its namelist.
-
-    Returns
-    -------
-    list of str
-        Their names, without folder.
-    """
+    """Return the names of the files that the batch program may write for a case."""
     return split_lines(fetch_text(_kernel.result_names, encode(source)))

@@ -10,10 +10,8 @@ import numpy as np
 
 from rwmf._intensity import DAMPING, Array, Waveform, pseudo_accelerations, waveform_of
 from rwmf._library import unusual_record
-from rwmf._records.channels import Channel
+from rwmf._records.networks import Channel
 from rwmf._records.reader import read_bytes, read_channels
-
-__all__ = ["Described", "curves", "describe"]
 
 # accepted rounding of printed times, over the interval [-]
 _PRINTED = 1e-4
@@ -30,29 +28,7 @@ Described = tuple[dict[str, Any], Waveform]
 
 
 def describe(path: Path, unit: str | None, dt: float | None, g: float) -> list[Described]:
-    """Describe the channels of a file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    unit : str, optional
-        Unit of the samples of a file that does not give it.
-    dt : float, optional
-        Sampling interval [s] of a file of one column.
-    g : float
-        Acceleration of gravity [m/s2].
-
-    Returns
-    -------
-    list of (dict, Waveform)
-        For each channel its facts, named with their units, and its accelerations.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read or is damaged.
-    """
+    """Describe the channels of a file."""
     content = read_bytes(path)
     crc = f"{zlib.crc32(content):08x}"
     channels = read_channels(path, content, unit, dt)
@@ -126,21 +102,7 @@ def _doubts(wave: Waveform, peak: float, velocity: float, displacement: float) -
 
 
 def curves(wave: Waveform, g: float) -> dict[str, Array]:
-    """Return the curves of a figure of one record.
-
-    Parameters
-    ----------
-    wave : Waveform
-        The record.
-    g : float
-        Acceleration of gravity [m/s2].
-
-    Returns
-    -------
-    dict of array
-        At the samples ``t`` [s], ``a`` [g], ``v`` [m/s], ``u`` [m] and ``energy``, the share of the
-        Arias intensity. The spectrum has ``periods`` [s] and ``Sa`` [g] with 5 % damping.
-    """
+    """Return the curves of a figure of one record."""
     periods = np.geomspace(*_PERIODS)
     return {
         "t": wave.t,

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rwmf._files.names import shorten
-from rwmf._records.channels import header_number
-from rwmf._records.components import is_left_behind
+from rwmf._records.networks import header_number
+from rwmf._records.reader import is_left_behind
 from rwmf.errors import InputError
-
-__all__ = ["SUITE_HEADER", "Entry", "decimal_point", "read_list", "separator_of"]
 
 SUITE_HEADER = "file,factor,set"
 _HEADER_BYTES = 200_000
@@ -75,25 +73,7 @@ _KINDS = (
 
 
 def read_list(path: Path, content: bytes) -> list[Entry] | None:
-    """Read a list of selected records, with any separator and order of columns.
-
-    Parameters
-    ----------
-    path : path
-        The list; its files are in its folder or below.
-    content : bytes
-        Its bytes.
-
-    Returns
-    -------
-    list of Entry or None
-        The horizontal components in the order of the list; None for another kind of file.
-
-    Raises
-    ------
-    InputError
-        When a row is damaged, or a file is missing.
-    """
+    """Read a list of selected records, with any separator and order of columns."""
     head = content[:_HEADER_BYTES].decode("utf-8-sig", errors="surrogateescape").splitlines()
     found = _find_header(head)
     if found is None:
@@ -112,36 +92,12 @@ def read_list(path: Path, content: bytes) -> list[Entry] | None:
 
 
 def separator_of(line: str) -> str:
-    """Return the separator of a line of names.
-
-    Parameters
-    ----------
-    line : str
-        The line.
-
-    Returns
-    -------
-    str
-        Semicolon, tab or comma: the first of them in the line, the comma without any.
-    """
+    """Return the separator of a line of names."""
     return next((mark for mark in _SEPARATORS if mark in line), ",")
 
 
 def decimal_point(cell: str, separator: str) -> str:
-    """Return a number with a decimal point; a comma is one where it does not separate cells.
-
-    Parameters
-    ----------
-    cell : str
-        The number.
-    separator : str
-        Separator of the cells.
-
-    Returns
-    -------
-    str
-        The same number; unchanged in a table that commas separate, and without one comma.
-    """
+    """Return a number with a decimal point; a comma is one where it does not separate cells."""
     is_decimal = separator != "," and cell.count(",") == 1 and "." not in cell
     return cell.replace(",", ".") if is_decimal else cell
 

@@ -2,25 +2,104 @@
 
 from __future__ import annotations
 
+import re
 import stat
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from rwmf import _library
 from rwmf._records import blocks, networks
-from rwmf._records.channels import Channel
-from rwmf._records.plain import read_by_kernel
+from rwmf._records.blocks import read_by_kernel
+from rwmf._records.networks import Channel
 from rwmf.errors import InputError
 
-__all__ = [
-    "RECORD_SUFFIXES",
-    "VERTICAL_SUFFIXES",
-    "is_at2",
-    "read_bytes",
-    "read_channels",
-    "unit_of_header",
-]
+VERTICAL = "vertical"
+# letters of band and instrument of a channel: HN, BN, HL, EN
+_STREAM = r"[A-Z][GHLMNP]"
+# words of a direction; single letters need a mark before them
+_UP = rf"(?:[-_. ]?(?:up|dwn|down|vert?(?:ical)?|u-?d)|[-_. ](?:[vz]|dn|{_STREAM}z))"
+_LEVEL = (
+    r"(?:h[123]|hor[12]|[xynewslt]|ln|tr|n-?s|e-?w|fn|fp|north|south|east|west|long\w*|tran\w*"
+    rf"|radial|{_STREAM}[NERT123])"
+)
+# (whole name, with its ending): key of the record and name of the component; the first that fits
+_PATTERNS = tuple(
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        # K-NET and KiK-net: CHB0021412312349.NS, NGNH311106302345.EW2
+        r"(?P<key>.+)\.(?P<part>ns|ew|ud)(?P<further>[12]?)",
+        # ESM and COSMOS, by the code of the stream: HI.ARS1..HNN.D.20190728.160908.C.ACC.ASC
+        rf"(?P<key>(?:.*\.)?{_STREAM})(?P<part>[ENZ123])(?P<further>\..+\..+)",
+        rf"(?P<key>{_STREAM})(?P<part>[ENZ123])(?P<further>\.\w+)",
+        # PEER, by the number of the record: RSN6_IMPVALL.I_I-ELC180.AT2
+        rf"(?P<key>RSN\d+)_(?P<part>.*?)(?P<up>{_UP}(?:[-_]up)?)?(?:[-_]hor[12])?\.\w+",
+        # sets of FEMA P-695: far_field_011.csv
+        r"(?P<key>(?:far|near)_field_(?:\w+_)?\d\d)(?P<part>[12])\.\w+",
+        # NORTHR_SYL090.AT2, ABBAR--L.AT2, quake-UP.txt, quake_h1.csv, quake_x.csv, quake-1.txt
+        rf"(?P<key>.+?)(?P<part>\d{{3}}|(?P<up>{_UP})|[-_. ](?:{_LEVEL}|[123]))\.\w+",
+        # in a folder of the station: 090.AT2, UP.AT2, x.csv
+        rf"(?P<key>)(?P<part>\d{{3}}|(?P<up>up|dwn|down|vert?(?:ical)?|u-?d|[vz])|{_LEVEL})\.\w+",
+    )
+)
+_VERTICAL_PARTS = ("ud", "z", "3")
+# a component that no pattern knows: a letter, two digits, or at most four letters behind a mark
+_SHORT = re.compile(r"(.+?)(?:[-_. ]+\w{1,4}|\d\d|[nsewltxyh])\.\w+", re.IGNORECASE)
+# names that archives, file managers and editors leave behind, in lower case
+_LEFT_BEHIND = frozenset(
+    {"__macosx", ".ds_store", "thumbs.db", "desktop.ini", "@eadir", ".ipynb_checkpoints"}
+)
+
+
+def component_of(name: str) -> tuple[str, str]:
+    """Return record and component of a file."""
+    key, part, is_up = _split(name)
+    return key, VERTICAL if is_up else part
+
+
+def _split(name: str) -> tuple[str, str, bool]:
+    """Return record, component, and whether it is vertical."""
+    for pattern in _PATTERNS:
+        match = pattern.fullmatch(name)
+        if match is None:
+            continue
+        found = match.groupdict()
+        part = found["part"].strip("-_. ").lower()
+        is_up = found.get("up") is not None or part in _VERTICAL_PARTS
+        return found["key"].rstrip("-_. ") + (found.get("further") or ""), part, is_up
+    return name, "", False
+
+
+def verticals_beside(paths: Iterable[Path]) -> set[Path]:
+    """Find the vertical components beside horizontal ones of the same record and folder."""
+    level: dict[tuple[Path, str], list[str]] = {}
+    upward: list[tuple[tuple[Path, str], str, Path]] = []
+    for path in paths:
+        key, part, is_up = _split(path.name)
+        place = (path.parent, key.lower())
+        if is_up:
+            upward.append((place, part, path))
+            continue
+        level.setdefault(place, []).append(part)
+        short = _SHORT.fullmatch(path.name)
+        if short is not None and short[1].lower() != place[1]:
+            level.setdefault((path.parent, short[1].lower()), []).append(part)
+    return {
+        path
+        for place, part, path in upward
+        if place in level
+        and (part != "3" or (sorted(level[place]) == ["1", "2"] and not _is_table(path)))
+    }
+
+
+def _is_table(path: Path) -> bool:
+    return path.suffix.lower() in (".csv", ".txt", ".dat")
+
+
+def is_left_behind(path: Path) -> bool:
+    """Check whether an archive, file manager or editor has left a file or its folder behind."""
+    return any(part.lower() in _LEFT_BEHIND or part.startswith("._") for part in path.parts)
+
 
 # endings of record files in a folder, in lower case
 RECORD_SUFFIXES = (
@@ -49,23 +128,7 @@ _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 def read_bytes(path: Path) -> bytes:
-    """Read a regular file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Returns
-    -------
-    bytes
-        Its content.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read.
-    """
+    """Read a regular file."""
     try:
         # opening a pipe could block for ever, reading a device could never end
         if not stat.S_ISREG(path.stat().st_mode):
@@ -76,75 +139,19 @@ def read_bytes(path: Path) -> bytes:
 
 
 def is_at2(content: bytes) -> bool:
-    """Recognise an AT2 file, whatever its name.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-
-    Returns
-    -------
-    bool
-        True when it has an AT2 header.
-
-    Raises
-    ------
-    InputError
-        When the header is no header of a record.
-    """
+    """Recognise an AT2 file, whatever its name."""
     return _library.read_record_header(content).is_at2
 
 
 def unit_of_header(content: bytes) -> str | None:
-    """Return the unit that the header of a table or an AT2 file states.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-
-    Returns
-    -------
-    str or None
-        The unit; None where none is given.
-
-    Raises
-    ------
-    InputError
-        When the header is no header of a record.
-    """
+    """Return the unit that the header of a table or an AT2 file states."""
     return _library.read_record_header(content).unit
 
 
 def read_channels(
     path: Path, content: bytes, unit: str | None, dt: float | None, *, is_any: bool = True
 ) -> Sequence[Channel]:
-    """Read the channels of a file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    content : bytes
-        Its bytes.
-    unit : str, optional
-        Unit of the samples where the file gives none.
-    dt : float, optional
-        Interval of the samples of one column [s].
-    is_any : bool
-        False for formats and tables only of which `&motion` cannot take the one component.
-
-    Returns
-    -------
-    sequence of Channel
-        Its channels; empty for a file that `&motion` reads when `is_any` is False.
-
-    Raises
-    ------
-    InputError
-        When the format is not read, or the file is damaged.
-    """
+    """Read the channels of a file."""
     # a dialect shows in its first line, and long tables need no list of lines
     head = _lines(content[:_HEAD_BYTES])
     dialect = next((item for item in _DIALECTS if item.is_it(head)), None)

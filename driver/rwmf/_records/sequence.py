@@ -8,35 +8,13 @@ import numpy.typing as npt
 from rwmf.case import Motion
 from rwmf.errors import InputError
 
-__all__ = ["join"]
-
 _IN_SI = {"m/s2": 1.0, "cm/s2": 0.01}
 # rounding of times that still fit a common interval, over the interval [-]
 _ROUNDING = 1e-6
 
 
 def join(shocks: tuple[Motion, Motion], pause: float, factors: tuple[float, float]) -> Motion:
-    """Join two motions with a pause without acceleration.
-
-    Parameters
-    ----------
-    shocks : (Motion, Motion)
-        Main shock and aftershock.
-    pause : float
-        Time between the last sample of the first and the first sample of the second [s].
-    factors : (float, float)
-        Factors on their samples [-].
-
-    Returns
-    -------
-    Motion
-        Both; with their interval if it is common and divides the pause, otherwise with times.
-
-    Raises
-    ------
-    InputError
-        When the units cannot be joined, or the pause is too short for the ends to fall to zero.
-    """
+    """Join two motions with a pause without acceleration."""
     units = {shock.unit for shock in shocks}
     unit, scales = shocks[0].unit, [1.0, 1.0]
     if len(units) > 1:

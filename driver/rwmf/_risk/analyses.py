@@ -18,6 +18,7 @@ from rwmf import _library
 from rwmf._arguments import case_of, checked, texts_of
 from rwmf._files import files
 from rwmf._files.names import readable
+from rwmf._intensity import Intensity
 from rwmf._numbers import show, to_array, to_number
 from rwmf._risk.table import (
     describe,
@@ -27,14 +28,16 @@ from rwmf._risk.table import (
     write_table,
 )
 from rwmf._sweep.computation import SweepOptions, path_of_store, sweep
-from rwmf._sweep.intensity import Intensity, choose_intensity, scale_to_one
-from rwmf._sweep.kept_quantities import default_quantity, find_quantities
+from rwmf._sweep.intensity import (
+    choose_intensity,
+    default_quantity,
+    find_quantities,
+    scale_to_one,
+)
 from rwmf._sweep.plan import united
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.errors import InputError
-
-__all__ = ["AnalysisOptions", "cloud", "designs_of", "ida", "levels_of", "stripes"]
 
 Array = npt.NDArray[np.float64]
 Designs = CaseLike | Mapping[str, CaseLike] | Sequence[CaseLike]
@@ -238,23 +241,7 @@ def cloud(
 
 
 def designs_of(case: Designs) -> dict[str, Case]:
-    """Return the designs of an argument by name.
-
-    Parameters
-    ----------
-    case : Case, path, mapping or sequence
-        One structure or several.
-
-    Returns
-    -------
-    dict of str to Case
-        Names are those of the mapping, otherwise of the files.
-
-    Raises
-    ------
-    InputError
-        When there is none, when two have one name, or when a case is not acceptable.
-    """
+    """Return the designs of an argument by name."""
     if isinstance(case, Mapping):
         for name in case:
             if not isinstance(name, str):
@@ -282,23 +269,7 @@ def designs_of(case: Designs) -> dict[str, Case]:
 
 
 def levels_of(levels: Sequence[float]) -> Array:
-    """Check levels of intensity.
-
-    Parameters
-    ----------
-    levels : sequence of float
-        Intensities: accelerations over g [-], others in SI units.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Ascending, each once.
-
-    Raises
-    ------
-    InputError
-        When a level is not a finite number > 0.
-    """
+    """Check levels of intensity."""
     return np.unique(to_array("levels", levels, above=0.0, least=1))
 
 

@@ -8,11 +8,123 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rwmf._risk.likelihood import BELOW, EXACT, OVER, Observations, maximise
-
-__all__ = ["Fit", "fit_capacities", "fit_cloud", "fit_counts"]
-
 Array = npt.NDArray[np.float64]
+
+_erfc = np.frompyfunc(math.erfc, 1, 1)
+_ROOT_2 = math.sqrt(2.0)
+_ROOT_2_PI = math.sqrt(2.0 * math.pi)
+# below this argument erfc loses digits, then underflows
+_FAR = -30.0
+
+
+def normal_cdf(x: npt.ArrayLike) -> Array:
+    """Compute the standard normal distribution function."""
+    return 0.5 * np.asarray(_erfc(-np.asarray(x, dtype=float) / _ROOT_2), dtype=float)
+
+
+def normal_density(x: Array) -> Array:
+    """Compute the standard normal density."""
+    return np.asarray(np.exp(-0.5 * x**2) / _ROOT_2_PI)
+
+
+def log_normal_cdf(x: Array) -> tuple[Array, Array]:
+    """Compute the logarithm of the standard normal distribution function, and its derivative."""
+    near = np.maximum(x, _FAR)
+    p = normal_cdf(near)
+    value, slope = np.log(p), normal_density(near) / p
+    far = np.minimum(x, _FAR)
+    series = 1 - 1 / far**2 + 3 / far**4 - 15 / far**6
+    tail = -0.5 * far**2 - np.log(-far * _ROOT_2_PI) + np.log(series)
+    is_far = x < _FAR
+    return np.where(is_far, tail, value), np.where(is_far, -far / series, slope)
+
+
+def exceedance(intensity: npt.ArrayLike, median: npt.ArrayLike, dispersion: npt.ArrayLike) -> Array:
+    """Compute the probability that a lognormal capacity is exceeded."""
+    x, median, dispersion = (np.asarray(a, dtype=float) for a in (intensity, median, dispersion))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        argument = np.log(x / median) / dispersion
+    return np.where(dispersion > 0, normal_cdf(np.nan_to_num(argument, nan=0.0)), x > median) * 1.0
+
+
+# kinds of observations: of the value itself, of a value above, of a value below
+EXACT, OVER, BELOW = 0, -1, 1
+_ITERATIONS = 200
+_CONVERGED = 1e-13
+_HALVINGS = 40
+
+
+@dataclass(frozen=True)
+class Observations:
+    """Observations of standard normal variables z = coefficients @ parameters.
+
+    Attributes
+    ----------
+    coefficients : numpy.ndarray, shape (n, p)
+        Linear map from the parameters to z. Where observations are exact, the last parameter is
+        the inverse standard deviation.
+    kinds : numpy.ndarray of int, shape (n,)
+        ``EXACT`` (density of z), ``BELOW`` (probability up to z) or ``OVER`` (above z).
+    """
+
+    coefficients: Array
+    kinds: npt.NDArray[np.int64]
+
+    def value(self, weights: Array, parameters: Array) -> tuple[Array, Array, Array]:
+        """Compute log-likelihoods with gradient and Hessian."""
+        p = parameters.shape[1]
+        z = parameters @ self.coefficients.T
+        exact = self.kinds == EXACT
+        value, slope, curvature = -0.5 * z**2, -z, -np.ones_like(z)
+        sign = self.kinds[~exact]
+        if sign.size:
+            argument = sign * z[:, ~exact]
+            logarithm, hazard = log_normal_cdf(argument)
+            value[:, ~exact] = logarithm
+            slope[:, ~exact] = sign * hazard
+            curvature[:, ~exact] = -hazard * (argument + hazard)
+        total = np.sum(weights * value, axis=1)
+        gradient = (weights * slope) @ self.coefficients
+        squares = np.einsum("np,nq->npq", self.coefficients, self.coefficients).reshape(
+            len(z.T), -1
+        )
+        hessian = ((weights * curvature) @ squares).reshape(-1, p, p)
+        if exact.any():
+            n = weights[:, exact].sum(axis=1)
+            scale = parameters[:, -1]
+            with np.errstate(invalid="ignore", divide="ignore"):
+                total = np.where(scale > 0, total + n * np.log(scale), -np.inf)
+            gradient[:, -1] += n / scale
+            hessian[:, -1, -1] -= n / scale**2
+        return total, gradient, hessian
+
+
+def maximise(observations: Observations, weights: Array, start: Array) -> Array:
+    """Find the parameters of maximum likelihood of every resample."""
+    found = np.tile(start.astype(float), (len(weights), 1))
+    value, gradient, hessian = observations.value(weights, found)
+    active = np.arange(len(weights))
+    for _ in range(_ITERATIONS):
+        # pseudo-inverse: a resample may leave one direction undetermined
+        inverse = np.linalg.pinv(hessian, rcond=1e-14, hermitian=True)
+        step = -np.einsum("bpq,bq->bp", inverse, gradient)
+        for _ in range(_HALVINGS):
+            trial = found[active] + step
+            new = observations.value(weights[active], trial)
+            worse = ~(new[0] >= value - 1e-13 * np.abs(value))
+            if not worse.any():
+                break
+            step[worse] *= 0.5
+        found[active] = trial
+        size = np.abs(step).max(axis=1) / np.abs(trial).max(axis=1)
+        kept = size > _CONVERGED
+        active = active[kept]
+        if not active.size:
+            break
+        value, gradient, hessian = (part[kept] for part in new)
+    return found
+
+
 Kinds = npt.NDArray[np.int64]
 # a smaller deviation of logarithms is rounding
 _ROUNDING = 1e-12
@@ -42,22 +154,7 @@ class Fit:
 
 
 def fit_counts(levels: Array, exceeded: Array, runs: Array) -> Fit:
-    """Fit counts of exceedance by maximum likelihood (Baker 2015, Earthquake Spectra 31(1)).
-
-    Parameters
-    ----------
-    levels : numpy.ndarray, shape (n,)
-        Different intensities > 0, ascending.
-    exceeded, runs : numpy.ndarray, shape (b, n)
-        Numbers of runs that exceed the limit, and of all runs.
-
-    Returns
-    -------
-    Fit
-        Without a level between none and all, a step halfway (in the logarithm) between them. A
-        single level between them is the step; at the lowest or highest one the median may be 0 or
-        infinite.
-    """
+    """Fit counts of exceedance by maximum likelihood (Baker 2015, Earthquake Spectra 31(1))."""
     n = len(exceeded)
     median, dispersion = np.full(n, math.nan), np.full(n, math.nan)
     regular = np.zeros(n, dtype=bool)
@@ -105,23 +202,7 @@ def _step(levels: Array, exceeded: Array, runs: Array) -> float | None:
 
 
 def fit_capacities(logarithms: Array, kinds: Kinds, weights: Array) -> Fit:
-    """Fit capacities of records; the dispersion has n - 1 degrees of freedom.
-
-    Parameters
-    ----------
-    logarithms : numpy.ndarray, shape (n,)
-        Logarithms of the capacities, or of their bounds.
-    kinds : numpy.ndarray of int, shape (n,)
-        ``EXACT``, ``OVER`` for a capacity above the bound, ``BELOW`` for one below.
-    weights : numpy.ndarray, shape (b, n)
-        Multiplicity of each record in each resample.
-
-    Returns
-    -------
-    Fit
-        Without censored records the geometric mean and the sample standard deviation of the
-        logarithms.
-    """
+    """Fit capacities of records; the dispersion has n - 1 degrees of freedom."""
     n = len(weights)
     mean, scatter = np.full(n, math.nan), np.full(n, math.nan)
     regular = np.zeros(n, dtype=bool)
@@ -156,25 +237,7 @@ def _holds(value: float, y: Array, kind: Kinds) -> bool:
 def fit_cloud(
     intensities: Array, demands: Array, kinds: Kinds, weights: Array, limit: float
 ) -> Fit:
-    """Fit a power law of the intensity with lognormal scatter to a cloud of demands.
-
-    Parameters
-    ----------
-    intensities, demands : numpy.ndarray, shape (n,)
-        Logarithms of the intensity and of the demand, or of its bound.
-    kinds : numpy.ndarray of int, shape (n,)
-        ``EXACT``, or ``OVER`` for a collapsed run, whose demand lies above the bound.
-    weights : numpy.ndarray, shape (b, n)
-        Multiplicity of each run in each resample.
-    limit : float
-        Logarithm of the limit of the demand.
-
-    Returns
-    -------
-    Fit
-        Distribution of the intensity at which the demand reaches the limit. Without collapsed runs
-        it is the least-squares line in logarithms with n - 2 degrees of freedom.
-    """
+    """Fit a power law of the intensity with lognormal scatter to a cloud of demands."""
     n = len(weights)
     median, scatter, slope = (np.full(n, math.nan) for _ in range(3))
     exact = kinds == EXACT

@@ -14,14 +14,19 @@ import xarray as xr
 
 from rwmf._arguments import checked, texts_of
 from rwmf._numbers import show, to_array, to_items, to_number, to_whole
-from rwmf._risk.fits import Fit, fit_capacities, fit_cloud, fit_counts
-from rwmf._risk.likelihood import BELOW, EXACT, OVER
-from rwmf._risk.normal import exceedance
-from rwmf._risk.p695 import shape_factor_of
+from rwmf._risk.fits import (
+    BELOW,
+    EXACT,
+    OVER,
+    Fit,
+    exceedance,
+    fit_capacities,
+    fit_cloud,
+    fit_counts,
+)
+from rwmf._risk.loss import shape_factor_of
 from rwmf._risk.table import fallen, quantities_of, read_table, warnings_of
 from rwmf.errors import InputError
-
-__all__ = ["METHODS", "fragility"]
 
 Array = npt.NDArray[np.float64]
 METHODS = ("counts", "capacities", "cloud")

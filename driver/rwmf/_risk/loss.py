@@ -13,11 +13,45 @@ import xarray as xr
 
 from rwmf._files import files
 from rwmf._files.names import xml_text
+from rwmf._numbers import show, to_items, to_number
 from rwmf._risk.table import fallen, quantities_of
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["loss_quantities", "nrml_text", "write_pelicun"]
+# expected epsilon of the rare motion by seismic design category
+_EPSILONS = dict.fromkeys(("B", "C", "DMIN"), 1.0) | {"DMAX": 1.5}
+_NAMES = "B, C, Dmin, Dmax"
+
+
+def spectral_shape_factor(period: float, ductility: float, category: str) -> float:
+    """Compute the spectral shape factor of the far-field record set of FEMA P-695.
+
+    This is the formula behind Tables 7-1a and 7-1b. As in the tables, the factor is constant below
+    0.5 s, above 1.5 s and above a ductility of 8.
+    """
+    period = to_number("shape factor: period", period, above=0.0)
+    ductility = to_number("shape factor: ductility", ductility)
+    if ductility < 1:
+        raise InputError(f"shape factor: ductility = {ductility:g}: must be >= 1")
+    expected = _EPSILONS.get(str(category).upper())
+    if expected is None:
+        raise InputError(f"shape factor: category = {show(category)}: must be one of {_NAMES}")
+    of_records = 0.6 * (1.5 - min(max(period, 0.5), 1.5))
+    slope = 0.14 * (min(ductility, 8.0) - 1.0) ** 0.42
+    return math.exp(slope * (expected - of_records))
+
+
+def shape_factor_of(value: object) -> float:
+    """Return the spectral shape factor of an argument."""
+    items = to_items(value)
+    if items is not None and len(items) == 3:
+        return spectral_shape_factor(items[0], items[1], str(items[2]))
+    if items is not None:
+        raise InputError(
+            f"shape_factor = {show(value)}: must be a number, or period, ductility and category"
+        )
+    return to_number("shape_factor", value, above=0.0)
+
 
 # quantity, type in pelicun, unit there; a later row is taken where an earlier one is missing
 _DEMANDS = (
@@ -35,23 +69,7 @@ _IMTS = {"peak_acceleration": "PGA", "average_acceleration": "AvgSA"}
 
 
 def loss_quantities(case: Case) -> list[str]:
-    """List the demands of a structure that pelicun takes.
-
-    Parameters
-    ----------
-    case : Case
-        The structure.
-
-    Returns
-    -------
-    list of str
-        Drifts, accelerations, velocities and residual drifts of all storeys and floors.
-
-    Raises
-    ------
-    InputError
-        When the structure has none of them.
-    """
+    """List the demands of a structure that pelicun takes."""
     known = case.replace(output={"reactions": True}).kernel.applicable()
     found: dict[str, str] = {}
     for pattern, kind, _ in _DEMANDS:
@@ -76,25 +94,6 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
 
     Separate files, ``..._collapsed.csv``, hold runs that overturned or collapsed, because their
     demands end there. They have no residual drifts. Failed runs are left out.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        Table of `rwmf.stripes` or `rwmf.ida`; of the latter the common levels.
-    folder : path
-        Folder of the files; it is created.
-
-    Returns
-    -------
-    list of (path, int)
-        Files with their numbers of rows.
-
-    Raises
-    ------
-    InputError
-        When the table has no demand that pelicun takes.
-    OutputError
-        When a file cannot be written.
     """
     columns = _pelicun_columns(table)
     x = table["intensity"].values
@@ -161,23 +160,7 @@ def _pelicun_text(
 
 
 def nrml_text(fragility: xr.Dataset) -> str:
-    """Write fragility curves as a fragility model in NRML 0.5, one function per design.
-
-    Parameters
-    ----------
-    fragility : xarray.Dataset
-        From `rwmf.fragility`.
-
-    Returns
-    -------
-    str
-        XML text; mean and standard deviation are those of the lognormal intensity.
-
-    Raises
-    ------
-    InputError
-        When OpenQuake has no name for the measure of intensity.
-    """
+    """Write fragility curves as a fragility model in NRML 0.5, one function per design."""
     kind = str(fragility.attrs.get("intensity", ""))
     imt = _IMTS.get(kind)
     if kind == "pseudo_acceleration":

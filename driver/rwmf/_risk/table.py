@@ -18,31 +18,16 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf._arguments import path_of
+from rwmf._arguments import checked, path_of, texts_of
 from rwmf._files import files
 from rwmf._files.names import readable, shorten
 from rwmf._files.netcdf_file import new_file
-from rwmf._numbers import first_masked, show
+from rwmf._numbers import first_masked, show, to_array
 from rwmf._sweep import netcdf
-from rwmf._sweep.kept_quantities import find_quantities
-from rwmf._sweep.point_files import is_netcdf, read_csv, read_netcdf
+from rwmf._sweep.intensity import find_quantities
+from rwmf._sweep.points import is_netcdf, read_csv, read_netcdf
 from rwmf.errors import InputError
 from rwmf.quantities import ENDINGS
-
-__all__ = [
-    "COLUMNS",
-    "TEXTS",
-    "describe",
-    "fallen",
-    "join",
-    "quantities_of",
-    "read_columns",
-    "read_table",
-    "table_of",
-    "warnings_of",
-    "write_dataset",
-    "write_table",
-]
 
 TEXTS = ("design", "record", "status")
 COLUMNS = (*TEXTS, "intensity", "scale")
@@ -75,27 +60,7 @@ def table_of(
     attributes: Mapping[str, Any],
     lines: npt.NDArray[np.int64] | None = None,
 ) -> xr.Dataset:
-    """Make a table from its columns.
-
-    Parameters
-    ----------
-    columns : mapping of str to array_like, each shape (rows,)
-        The columns; ``intensity`` is required, missing texts get defaults.
-    attributes : mapping of str to object
-        Attributes of the dataset.
-    lines : numpy.ndarray of int, shape (rows,), optional
-        Lines of the rows in their file.
-
-    Returns
-    -------
-    xarray.Dataset
-        The table, over ``row``.
-
-    Raises
-    ------
-    InputError
-        When a column is missing, or when an intensity or a status is not acceptable.
-    """
+    """Make a table from its columns."""
     found = {str(name): np.asarray(values) for name, values in columns.items()}
     if "intensity" not in found:
         raise InputError(f"table: has no column intensity, only {', '.join(found) or 'none'}")
@@ -159,55 +124,17 @@ def _labels(name: str) -> dict[str, str]:
 
 
 def quantities_of(table: xr.Dataset) -> list[str]:
-    """List the demands of a table.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        From `table_of`.
-
-    Returns
-    -------
-    list of str
-        Names of its quantities.
-    """
+    """List the demands of a table."""
     return [str(name) for name in table.data_vars if name not in COLUMNS]
 
 
 def fallen(table: xr.Dataset) -> npt.NDArray[np.bool_]:
-    """Find the runs that ended by overturning or collapse.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        From `table_of`.
-
-    Returns
-    -------
-    numpy.ndarray of bool, shape (rows,)
-        True where the run ended so.
-    """
+    """Find the runs that ended by overturning or collapse."""
     return np.isin(table["status"].values.astype(str), ENDINGS)
 
 
 def read_table(source: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
-    """Read a table of rows.
-
-    Parameters
-    ----------
-    source : path, xarray.Dataset, mapping or pandas.DataFrame
-        CSV or NetCDF file, or the columns; several of them in a list are joined.
-
-    Returns
-    -------
-    xarray.Dataset
-        The table.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read, or when a column is missing or not acceptable.
-    """
+    """Read a table of rows."""
     if isinstance(source, list | tuple):
         return join([read_table(item) for item in source])
     if isinstance(source, str | os.PathLike):
@@ -268,52 +195,14 @@ def _read_file(path: Path) -> xr.Dataset:
 def read_columns(
     path: Path, texts: set[str], content: str
 ) -> tuple[dict[str, npt.NDArray[Any]], npt.NDArray[np.int64]]:
-    """Read the columns of a CSV file.
-
-    Parameters
-    ----------
-    path : path
-        The file: a line of names, then one line per row; lines with # are comments.
-    texts : set of str
-        Names of the columns of texts.
-    content : str
-        Content of the file, for messages.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray, each shape (rows,)
-        Columns by name.
-    numpy.ndarray, shape (rows,)
-        Line of each row in the file.
-
-    Raises
-    ------
-    InputError
-        When the file does not exist, cannot be read or is malformed.
-    """
+    """Read the columns of a CSV file."""
     if not Path(path_of(content, path)).is_file():
         raise InputError(f"{path}: the {content} does not exist, or is no regular file")
     return read_csv(path, lambda name: name not in texts)
 
 
 def join(tables: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Join tables whose intensities have one measure.
-
-    Parameters
-    ----------
-    tables : sequence of xarray.Dataset
-        From `read_table`.
-
-    Returns
-    -------
-    xarray.Dataset
-        All rows; quantities that a table lacks are NaN there. Attributes that differ are dropped.
-
-    Raises
-    ------
-    InputError
-        When there is no table, or when the measures of intensity differ.
-    """
+    """Join tables whose intensities have one measure."""
     if not tables:
         raise InputError("table: the list is empty")
     first = tables[0]
@@ -351,18 +240,7 @@ def join(tables: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def warnings_of(dataset: xr.Dataset) -> list[str]:
-    """Return the warnings about a result.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The result.
-
-    Returns
-    -------
-    list of str
-        One line each; none without the attribute.
-    """
+    """Return the warnings about a result."""
     return str(dataset.attrs.get("warnings", "")).splitlines()
 
 
@@ -371,20 +249,7 @@ def _same(old: object, new: object) -> bool:
 
 
 def write_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a table as CSV or NetCDF; equal tables give equal bytes.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        From `table_of`.
-    path : str or path
-        File to write; its ending decides: ``.nc`` and others of NetCDF, otherwise CSV.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
+    """Write a table as CSV or NetCDF; equal tables give equal bytes."""
     if is_netcdf(Path(path)):
         write_dataset(table, path)
         return
@@ -408,22 +273,7 @@ def _quoted(text: str) -> str:
 
 
 def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a dataset as NetCDF without a time stamp.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset.
-    path : str or path
-        File to write.
-
-    Raises
-    ------
-    InputError
-        When the packages for NetCDF are missing.
-    OutputError
-        When the file cannot be written.
-    """
+    """Write a dataset as NetCDF without a time stamp."""
     netcdf.check_package()
     texts = {
         str(name): item.copy(data=np.vectorize(readable, otypes="O")(item.values).astype(str))
@@ -437,24 +287,108 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def describe(path: Path) -> str:
-    """Return the request that made the table of a file.
-
-    Parameters
-    ----------
-    path : path
-        CSV or NetCDF file.
-
-    Returns
-    -------
-    str
-        JSON text.
-
-    Raises
-    ------
-    InputError
-        When the file is no table of this program.
-    """
+    """Return the request that made the table of a file."""
     try:
         return str(read_table(path).attrs["request"])
     except (InputError, KeyError):
         raise InputError(f"{shorten(path)}: exists and is not the table of an analysis") from None
+
+
+Array = npt.NDArray[np.float64]
+# median and one standard deviation of a normal distribution on both sides
+_USUAL = (16.0, 50.0, 84.0)
+
+
+@checked
+def demand_percentiles(
+    table: Any,  # noqa: ANN401 (several forms)
+    quantities: str | Sequence[str] | None = None,
+    q: Sequence[float] = _USUAL,
+) -> xr.Dataset:
+    """Compute percentiles of demands over the records at each level, by ranks.
+
+    The demand of a record between two of its levels is interpolated; above its first overturning or
+    collapse it is infinite.
+
+    Parameters
+    ----------
+    table : xarray.Dataset or path
+        Table of `rwmf.ida` or `rwmf.stripes`.
+    quantities : str or sequence of str, optional
+        Demands; all of the table when absent.
+    q : sequence of float
+        Percentages [%].
+
+    Returns
+    -------
+    xarray.Dataset
+        Each demand over ``design``, ``intensity`` and ``percentile``, infinite where so many
+        records overturned or collapsed; ``collapsed`` and ``runs`` count records.
+
+    Raises
+    ------
+    InputError
+        When an argument is not acceptable, or when the table is a cloud.
+    """
+    rows = read_table(table)
+    if rows.attrs.get("analysis") == "cloud":
+        raise InputError("percentiles: the table is a cloud, without common levels of intensity")
+    known = quantities_of(rows)
+    names = known if quantities is None else texts_of("quantities", quantities)
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        listed = ", ".join(known) or "none"
+        raise InputError(f"quantities: {show(unknown[0])}: is not in the table, which has {listed}")
+    percent = to_array("q", q, least=1)
+    if not ((percent >= 0) & (percent <= 100)).all():
+        raise InputError(f"q = {show(q)}: must be in [0, 100] [%]")
+    levels = np.unique(rows["intensity"].values)
+    designs = list(dict.fromkeys(rows["design"].values.tolist()))
+    shape = (len(designs), levels.size)
+    found = {name: np.full((*shape, percent.size), math.nan) for name in names}
+    counts = np.zeros((2, *shape), dtype=int)
+    for i, design in enumerate(designs):
+        own = rows.isel(row=np.flatnonzero(rows["design"].values == design))
+        for name in names:
+            values = _curves(own, name, levels)
+            used = ~np.isnan(values).all(axis=0)
+            # interpolation between a number and infinity would give infinity
+            found[name][i, used] = np.nanquantile(
+                values[:, used], percent / 100, axis=0, method="inverted_cdf"
+            ).T
+        where = np.searchsorted(levels, own["intensity"].values)
+        counts[0, i] = np.bincount(where[fallen(own)], minlength=levels.size)
+        counts[1, i] = np.bincount(where, minlength=levels.size)
+    over = ("design", "intensity")
+    return xr.Dataset(
+        {name: ((*over, "percentile"), values, rows[name].attrs) for name, values in found.items()}
+        | {"collapsed": (over, counts[0]), "runs": (over, counts[1])},
+        coords={
+            "design": ("design", np.array(designs, dtype=object)),
+            "intensity": ("intensity", levels, rows["intensity"].attrs),
+            "percentile": ("percentile", percent, {"units": "%"}),
+        },
+        attrs=rows.attrs,
+    )
+
+
+def _curves(rows: xr.Dataset, name: str, levels: Array) -> Array:
+    """Interpolate each record's demand at the levels; NaN above its last run without collapse."""
+    found = []
+    names = rows["record"].values
+    for record in dict.fromkeys(names.tolist()):
+        own = rows.isel(row=np.flatnonzero(names == record))
+        x, y, down = own["intensity"].values, own[name].values, fallen(own)
+        first = x[down].min() if down.any() else math.inf
+        upright = (x < first) & ~np.isnan(y)
+        order = np.argsort(x[upright], kind="stable")
+        px, py = x[upright][order], y[upright][order]
+        curve = np.full(levels.size, math.nan)
+        if px.size:
+            inside = levels <= px[-1]
+            # a scaled record of no intensity has no demand
+            curve[inside] = np.interp(levels[inside], [0.0, *px], [0.0, *py])
+        if down.any():
+            curve[levels > (px[-1] if px.size else 0.0)] = math.inf
+        found.append(curve)
+    return np.array(found)

@@ -2,46 +2,25 @@
 
 from __future__ import annotations
 
+import difflib
 import functools
+import hashlib
+import itertools
+import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, field, fields
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
+from rwmf._files.names import readable
 from rwmf._numbers import float_of, show, to_items
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, did_you_mean
 from rwmf.quantities import AXES
-
-__all__ = [
-    "NUMBERS",
-    "PAIRS",
-    "POINT",
-    "SCALE",
-    "SETTINGS",
-    "Axis",
-    "Coordinate",
-    "Entries",
-    "Key",
-    "Scene",
-    "Scenes",
-    "column_coordinate",
-    "column_in",
-    "grid_axis",
-    "is_number",
-    "key_of_column",
-    "keys_of_axis",
-    "kind_of",
-    "name_axes",
-    "put_number",
-    "record_axis",
-    "record_coordinates",
-    "take_numbers",
-]
 
 _T = TypeVar("_T")
 Array = npt.NDArray[np.float64]
@@ -110,13 +89,7 @@ class Scene:
     settings: tuple[tuple[Key, Value], ...] = ()
 
     def apply(self, entries: Entries) -> None:
-        """Insert record and settings into the groups of a case.
-
-        Parameters
-        ----------
-        entries : dict of str to dict
-            Groups of the case, modified in place.
-        """
+        """Insert record and settings into the groups of a case."""
         if self.record is not None:
             entries["motion"] = self.record.motion()
             solver = entries.get("solver", {})
@@ -171,34 +144,12 @@ class Axis:
         return settings | {key_of_column(name) for name in self.columns}
 
     def scene(self, position: int) -> Scene:
-        """Return the scene of a position.
-
-        Parameters
-        ----------
-        position : int
-            Position along the axis.
-
-        Returns
-        -------
-        Scene
-            One of `scenes`.
-        """
+        """Return the scene of a position."""
         return self.scenes[int(self.scene_of[position])]
 
 
 def record_axis(records: Sequence[RecordFile]) -> Axis:
-    """Make the axis of recorded ground motions.
-
-    Parameters
-    ----------
-    records : sequence of RecordFile
-        The records.
-
-    Returns
-    -------
-    Axis
-        An axis with one scene per position.
-    """
+    """Make the axis of recorded ground motions."""
     scenes = tuple(Scene(record) for record in records)
     labels = record_coordinates("record", records)
     return Axis("record", labels, scenes, _each(scenes), lambda i: f"record = {records[i].name}")
@@ -210,20 +161,7 @@ def _each(scenes: Sequence[Scene]) -> Scenes:
 
 
 def record_coordinates(dimension: str, records: Sequence[RecordFile]) -> tuple[Coordinate, ...]:
-    """Label records with names and checksums.
-
-    Parameters
-    ----------
-    dimension : str
-        Labelled dimension.
-    records : sequence of RecordFile
-        One per label.
-
-    Returns
-    -------
-    tuple of Coordinate
-        Name, checksum, format.
-    """
+    """Label records with names and checksums."""
     names = tuple(record.name for record in records)
     sums = tuple(record.crc32 for record in records)
     formats = tuple(record.format() for record in records)
@@ -235,25 +173,7 @@ def record_coordinates(dimension: str, records: Sequence[RecordFile]) -> tuple[C
 
 
 def grid_axis(name: str, values: object) -> Axis:
-    """Make an axis of a grid.
-
-    Parameters
-    ----------
-    name : str
-        From `name_axes`; for ``eta`` the values are pairs (eta_0, eta_alpha).
-    values : sequence
-        Numbers or texts.
-
-    Returns
-    -------
-    Axis
-        An axis of columns where the kernel accepts numbers, otherwise of scenes.
-
-    Raises
-    ------
-    InputError
-        When the values do not fit the axis.
-    """
+    """Make an axis of a grid."""
     parts = PAIRS.get(name, (name,))
     rows = _rows(name, values, len(parts))
     title = name.split(".")[-1]
@@ -285,24 +205,7 @@ def grid_axis(name: str, values: object) -> Axis:
 def column_coordinate(
     column: str, dimension: str, name: str, values: Array | tuple[Value, ...]
 ) -> Coordinate:
-    """Make the coordinate for the values of a column.
-
-    Parameters
-    ----------
-    column : str
-        Kernel name of the quantity.
-    dimension : str
-        Labelled dimension.
-    name : str
-        Name of the coordinate.
-    values : numpy.ndarray, shape (positions,), or tuple
-        Numbers of the column, or labels of scenes.
-
-    Returns
-    -------
-    Coordinate
-        Coordinate with unit and definition from the kernel's tables.
-    """
+    """Make the coordinate for the values of a column."""
     if column == SCALE:
         unit, meaning = "1", "factor on the ground motion"
     elif column in AXES:
@@ -318,26 +221,7 @@ def column_coordinate(
 
 
 def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
-    """Convert the names of a grid to canonical axis names.
-
-    Parameters
-    ----------
-    grid : mapping
-        Values by names: ``scale``, ``eta``, or keys of a case, with or without their group; upper
-        and lower case do not matter.
-    label : str
-        Beginning of messages.
-
-    Returns
-    -------
-    dict
-        The same values by ``T_s``, ``gamma``, ``b``, ``scale``, ``eta`` or ``group.key``.
-
-    Raises
-    ------
-    InputError
-        When a key does not exist, or when two axes set the same key.
-    """
+    """Convert the names of a grid to canonical axis names."""
     found: dict[str, _T] = {}
     words: dict[Key, str] = {}
     for word, values in grid.items():
@@ -351,27 +235,7 @@ def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
 
 
 def column_in(groups: Mapping[str, Mapping[str, object]], word: str, label: str) -> str:
-    """Return the column of a key; one of several groups means the only one that the case gives.
-
-    Parameters
-    ----------
-    groups : mapping
-        Groups of the case that may have it, with their keys.
-    word : str
-        A key, with or without its group.
-    label : str
-        Beginning of messages.
-
-    Returns
-    -------
-    str
-        As from `name_axes`.
-
-    Raises
-    ------
-    InputError
-        When the key does not exist, or several groups give it.
-    """
+    """Return the column of a key; one of several groups means the only one that the case gives."""
     try:
         (column,) = name_axes({word: None}, label)
     except InputError as error:
@@ -397,34 +261,12 @@ def _axis_name(word: str, label: str) -> str:
 
 
 def keys_of_axis(name: str) -> tuple[Key, ...]:
-    """Return the groups and keys that an axis sets.
-
-    Parameters
-    ----------
-    name : str
-        From `name_axes`.
-
-    Returns
-    -------
-    tuple of (group, key)
-        Canonical names; for ``scale`` a key that no case has.
-    """
+    """Return the groups and keys that an axis sets."""
     return tuple(key_of_column(part) for part in PAIRS.get(name, (name,)))
 
 
 def key_of_column(column: str) -> Key:
-    """Return the group and key that a column sets.
-
-    Parameters
-    ----------
-    column : str
-        Kernel name of the quantity.
-
-    Returns
-    -------
-    group, key : str
-        Canonical names; for ``scale`` a key that no case has.
-    """
+    """Return the group and key that a column sets."""
     if column == SCALE:
         return ("motion", "amplitude")
     group, _, key = column.partition(".")
@@ -432,51 +274,19 @@ def key_of_column(column: str) -> Key:
 
 
 def kind_of(name: str) -> str:
-    """Return the type of an axis's values.
-
-    Parameters
-    ----------
-    name : str
-        From `name_axes`.
-
-    Returns
-    -------
-    str
-        As in the kernel's table: 'real', 'reals', 'integer', 'logical', 'choice', 'text' or '... list'.
-    """
+    """Return the type of an axis's values."""
     if name == SCALE or name in PAIRS:
         return "real"
     return _table()[key_of_column(name)].kind
 
 
 def is_number(name: str) -> bool:
-    """Check whether rows of one kernel call can differ in the key of an axis.
-
-    Parameters
-    ----------
-    name : str
-        From `name_axes`.
-
-    Returns
-    -------
-    bool
-        True for a number that does not define a scene.
-    """
+    """Check whether rows of one kernel call can differ in the key of an axis."""
     return kind_of(name) in NUMBERS and name not in _OF_SCENE
 
 
 def put_number(entries: Entries, column: str, value: float) -> None:
-    """Insert a number of a column into the groups of a case.
-
-    Parameters
-    ----------
-    entries : dict of str to dict
-        Groups of the case, modified in place.
-    column : str
-        Kernel name of the quantity; the factor ``scale`` is no key and is ignored.
-    value : float
-        The number.
-    """
+    """Insert a number of a column into the groups of a case."""
     kind = kind_of(column)
     if column != SCALE:
         types = {"integer": int, "logical": bool}
@@ -488,29 +298,7 @@ def put_number(entries: Entries, column: str, value: float) -> None:
 def take_numbers(
     name: str, values: object, where: Callable[[int], str], shown: str | None = None
 ) -> Array:
-    """Convert the values of a column to numbers.
-
-    Parameters
-    ----------
-    name : str
-        Kernel name of the quantity.
-    values : sequence or array, shape (n,)
-        The values.
-    where : callable
-        Describes a position in messages.
-    shown : str, optional
-        Name of the column in messages; `name` by default.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Finite; whole where the key is an integer, 0 or 1 where it is a logical.
-
-    Raises
-    ------
-    InputError
-        When a value is not such a number.
-    """
+    """Convert the values of a column to numbers."""
     kind = kind_of(name)
     array = np.asarray(values)
     if isinstance(values, list) and any(isinstance(item, bool) for item in values):
@@ -619,3 +407,226 @@ def _find_key(name: str, label: str) -> Key:
         f"{label}: {name}: no key of a case{hint} are {', '.join(('scale', *PAIRS))} and the keys "
         "of reference/namelist.md"
     )
+
+
+Places = npt.NDArray[np.int64]
+_SHOWN_LINES = 20
+# separator between the text of a layout, which never contains it, and its columns
+_END = b"\0"
+
+
+class Rows(NamedTuple):
+    """Runs of one chunk.
+
+    Attributes
+    ----------
+    positions : tuple of numpy.ndarray, each shape (rows,)
+        Positions along each dimension.
+    places : numpy.ndarray, shape (rows,)
+        Indices of the runs in the whole sweep, with the last dimension fastest.
+    """
+
+    positions: tuple[Places, ...]
+    places: Places
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Shape and identity of a sweep.
+
+    Runs with the same scene along each dimension differ in numbers only and form a group. A chunk
+    is a part of a group: neighbours in the order of the dimensions.
+
+    Attributes
+    ----------
+    version : str
+        Version of the kernel.
+    case : str
+        Namelist text common to all runs.
+    coordinates : tuple of Coordinate
+        Labels of all dimensions.
+    scene_of : dict of str to numpy.ndarray, each shape (positions,)
+        Scene number of each position by name of the dimension, slowest dimension first; a single
+        scene where the positions differ in numbers only.
+    block : int
+        Largest number of runs in a chunk.
+    quantities : tuple of str
+        Quantities stored for each run.
+    motion_crc32 : str
+        Checksum of the case's own record, '' without one.
+    method : str
+        Method of all runs, '' when they differ.
+    warnings : str
+        Conservation laws that some runs violate, in one line; '' for none.
+    intensity : dict of str to str or float
+        Attributes of the intensity that a factor on the ground motion sets; empty without one.
+    """
+
+    version: str
+    case: str
+    coordinates: tuple[Coordinate, ...]
+    scene_of: dict[str, Scenes]
+    block: int
+    quantities: tuple[str, ...]
+    motion_crc32: str = ""
+    method: str = ""
+    warnings: str = ""
+    intensity: dict[str, str | float] = field(default_factory=dict)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of all dimensions."""
+        return tuple(self.scene_of)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Sizes of all dimensions."""
+        return tuple(map(len, self.scene_of.values()))
+
+    @property
+    def n_chunks(self) -> int:
+        """Count the chunks."""
+        return int(self._first_chunks[-1])
+
+    @functools.cached_property
+    def _members(self) -> list[tuple[Places, Places]]:
+        """Return the positions along each dimension grouped by scene, and each scene's start."""
+        found = []
+        for scenes in self.scene_of.values():
+            begins = np.concatenate([[0], np.cumsum(np.bincount(scenes))])
+            found.append((np.argsort(scenes, kind="stable"), begins))
+        return found
+
+    @functools.cached_property
+    def _first_chunks(self) -> Places:
+        """Return the number of the first chunk of each group, and of all chunks."""
+        sizes = np.ones(1, dtype=np.int64)
+        for _, begins in self._members:
+            sizes = np.multiply.outer(sizes, np.diff(begins)).ravel()
+        return np.concatenate([[0], np.cumsum(-(-sizes // self.block))])
+
+    def chunk_size(self, number: int) -> int:
+        """Count the runs of a chunk."""
+        _, start, stop = self._part(number)
+        return stop - start
+
+    def rows(self, number: int) -> Rows:
+        """Find the runs of a chunk."""
+        members, start, stop = self._part(number)
+        rest = np.arange(start, stop)
+        places = np.zeros(stop - start, dtype=np.int64)
+        positions: list[Places] = []
+        stride = 1
+        for size, member in zip(reversed(self.shape), reversed(members), strict=True):
+            rest, inside = np.divmod(rest, len(member))
+            positions.insert(0, member[inside])
+            places += stride * positions[0]
+            stride *= size
+        return Rows(tuple(positions), places)
+
+    def _part(self, number: int) -> tuple[list[Places], int, int]:
+        """Return a group's positions along each dimension, and a chunk's range in the group."""
+        group = int(np.searchsorted(self._first_chunks, number, "right")) - 1
+        first, following = self._first_chunks[group : group + 2].tolist()
+        members: list[Places] = []
+        for order, begins in reversed(self._members):
+            group, scene = divmod(group, len(begins) - 1)
+            members.insert(0, order[begins[scene] : begins[scene + 1]])
+        # all chunks of a group have equal length
+        size = 1
+        for member in members:
+            size *= len(member)
+        n = following - first
+        start, stop = (size * i // n for i in (number - first, number - first + 1))
+        return members, start, stop
+
+    def labels(self, item: Coordinate) -> npt.NDArray[Any]:
+        """Return the labels of all positions of a dimension."""
+        if isinstance(item.values, np.ndarray):
+            return item.values
+        values = np.array([readable(value) for value in item.values])
+        return values[self.scene_of[item.dimension]]
+
+    def to_text(self) -> str:
+        """Convert the layout to JSON; equal texts mean equal sweeps."""
+        found = {item.name: getattr(self, item.name) for item in fields(self)}
+        found["coordinates"] = [_entry(item) for item in self.coordinates]
+        del found["scene_of"]
+        found["dimensions"] = [{"name": n, "size": len(s)} for n, s in self.scene_of.items()]
+        found["table"] = self._sha256
+        return json.dumps(found, indent=1, sort_keys=True)
+
+    def _arrays(self) -> list[memoryview]:
+        """Return the bytes of all scenes, then of all columns, in little-endian order."""
+        columns = [item.values for item in self.coordinates if item.column]
+        arrays = [np.ascontiguousarray(scenes, "<u4") for scenes in self.scene_of.values()]
+        return [item.data.cast("B") for item in (*arrays, *(np.asarray(c, "<f8") for c in columns))]
+
+    @functools.cached_property
+    def _sha256(self) -> str:
+        found = hashlib.sha256()
+        for part in self._arrays():
+            found.update(part)
+        return found.hexdigest()
+
+    def parts(self) -> list[bytes | memoryview]:
+        """Return the bytes of text and columns without copying them."""
+        return [self.to_text().encode(), _END, *self._arrays()]
+
+    @classmethod
+    def from_bytes(cls, content: bytes) -> Self:
+        """Read the bytes of `parts`."""
+        text, _, rest = content.partition(_END)
+        found: dict[str, Any] = json.loads(text)
+        del found["table"]
+        place = 0
+
+        def take(dtype: str, dimension: str) -> npt.NDArray[Any]:
+            nonlocal place
+            values = np.frombuffer(rest, dtype, sizes[dimension], place)
+            place += values.nbytes
+            return values
+
+        sizes = {item["name"]: item["size"] for item in found.pop("dimensions")}
+        found["scene_of"] = {name: take("<u4", name) for name in sizes}
+        for entry in found["coordinates"]:
+            has_column = entry["column"]
+            entry["values"] = (
+                take("<f8", entry["dimension"]) if has_column else tuple(entry["values"])
+            )
+        found["coordinates"] = tuple(Coordinate(**entry) for entry in found["coordinates"])
+        found["quantities"] = tuple(found["quantities"])
+        return cls(**found)
+
+    @staticmethod
+    def text_of(content: bytes) -> str:
+        """Extract the text from the bytes of `parts`."""
+        return content.partition(_END)[0].decode()
+
+
+def _entry(item: Coordinate) -> dict[str, Any]:
+    """Return the entry of a coordinate in the text."""
+    values = list(item.values)
+    if isinstance(item.values, np.ndarray):
+        values = [] if item.dimension == POINT else item.values.tolist()
+    return vars(item) | {"values": values}
+
+
+def difference(old: str, new: str) -> str:
+    """Show the difference of two layouts."""
+    lines = difflib.unified_diff(_lines(old), _lines(new), lineterm="", n=0)
+    changed = [line for line in lines if line[0] in "+-" and line[:3] not in ("---", "+++")]
+    shown = list(itertools.islice(changed, _SHOWN_LINES))
+    if len(changed) > len(shown):
+        shown.append(f"... and {len(changed) - len(shown)} lines more")
+    return "\n".join(shown)
+
+
+def _lines(text: str) -> list[str]:
+    """Return one line per value, and the case's text as in its namelist."""
+    found = json.loads(text)
+    lines: list[str] = found.pop("case").splitlines()
+    for item in found.pop("coordinates"):
+        lines.append(f"{item['name']} = {', '.join(str(value) for value in item['values'])}")
+    lines.append(f"columns (SHA-256 of all) = {found.pop('table', '')}")
+    return lines + [f"{key} = {value}" for key, value in sorted(found.items())]

@@ -20,11 +20,9 @@ from typing import BinaryIO, Self
 import numpy as np
 
 from rwmf._files import files
-from rwmf._sweep.layout import Layout, difference
-from rwmf._sweep.task import Chunk
+from rwmf._sweep.axes import Layout, difference
+from rwmf._sweep.plan import Chunk
 from rwmf.errors import InputError, OutputError
-
-__all__ = ["ChunkStore", "read_layout"]
 
 _MAGIC = b"rwmf sweep journal 3\n"
 # number of the chunk, length of the payload, CRC-32 of both and the payload
@@ -33,24 +31,7 @@ _LAYOUT = 2**64 - 1
 
 
 class ChunkStore:
-    """Finished chunks of a sweep.
-
-    Parameters
-    ----------
-    path : path
-        The file; it is created, or continued when it belongs to the same layout.
-    layout : Layout
-        The sweep.
-    restart : bool
-        Replace an existing store of any sweep.
-
-    Raises
-    ------
-    InputError
-        When the file belongs to another sweep (the message shows the difference) or is no journal.
-    OutputError
-        When it cannot be written, or when another process is writing it.
-    """
+    """Finished chunks of a sweep."""
 
     def __init__(self, path: Path, layout: Layout, *, restart: bool = False) -> None:
         self.path = path
@@ -101,18 +82,7 @@ class ChunkStore:
         return len(self._index)
 
     def add(self, chunk: Chunk) -> None:
-        """Append a chunk and wait until it is on the disk.
-
-        Parameters
-        ----------
-        chunk : Chunk
-            Results.
-
-        Raises
-        ------
-        OutputError
-            When the file cannot be written.
-        """
+        """Append a chunk and wait until it is on the disk."""
         with files.reported(self.path):
             self._file.seek(0, os.SEEK_END)
             self._index[chunk.number] = self._append(chunk.number, _pack(chunk, self.layout))
@@ -131,18 +101,7 @@ class ChunkStore:
             rest = rest[self._file.write(rest) :]
 
     def get(self, number: int) -> Chunk:
-        """Read a chunk.
-
-        Parameters
-        ----------
-        number : int
-            A finished chunk.
-
-        Returns
-        -------
-        Chunk
-            The results.
-        """
+        """Read a chunk."""
         self._file.seek(self._index[number])
         head = self._file.read(_HEAD.size)
         return _unpack(number, self._file.read(_HEAD.unpack(head)[1]), self.layout)
@@ -161,23 +120,7 @@ class ChunkStore:
 
 
 def read_layout(path: Path) -> Layout:
-    """Read the layout of a journal.
-
-    Parameters
-    ----------
-    path : path
-        The journal.
-
-    Returns
-    -------
-    Layout
-        The sweep.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read or is no journal.
-    """
+    """Read the layout of a journal."""
     try:
         with path.open("rb") as file:
             for number, _, payload, _ in _entries(file, path):

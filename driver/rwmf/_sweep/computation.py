@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict
 
@@ -15,18 +17,80 @@ from rwmf._arguments import checked, path_of
 from rwmf._files import files
 from rwmf._progress import Progress, Reports, reporting
 from rwmf._sweep import netcdf
+from rwmf._sweep.axes import Layout, difference
 from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
-from rwmf._sweep.kept_quantities import QUANTITIES
-from rwmf._sweep.layout import Layout, difference
-from rwmf._sweep.plan import Plan, Request, make_plan
+from rwmf._sweep.intensity import QUANTITIES
+from rwmf._sweep.plan import Chunk, Plan, Request, make_plan
 from rwmf._sweep.points import Points
-from rwmf._sweep.record_sets import RecordFile, find_records
-from rwmf._sweep.task import Chunk
+from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import CaseLike, Motion
+from rwmf.case.namelist import read_text
 from rwmf.errors import InputError, Interrupted, OutputError
 
-__all__ = ["RunOptions", "SweepOptions", "find_records", "merge", "path_of_store", "sweep"]
+# line below the version, written by rwmf-batch --part
+_PART = re.compile(r"# part (\d{1,9})/(\d{1,9})$")
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One file: its number, the lines common to all parts, its lines of numbers."""
+
+    path: str
+    k: int
+    n: int
+    head: tuple[str, ...]
+    rows: tuple[str, ...]
+
+
+def merge_csv(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str]) -> None:
+    """Join the parts of a spectrum into the file of an undivided run, byte for byte."""
+    found = sorted((_read(os.fspath(path)) for path in parts), key=lambda part: part.k)
+    first = found[0]
+    for part in found:
+        if (part.n, part.head) != (first.n, first.head):
+            raise InputError(f"{part.path}: is not a part of the same case as {first.path}")
+    if [part.k for part in found] != list(range(1, first.n + 1)):
+        given = ", ".join(str(part.k) for part in found)
+        raise InputError(f"merge: needs the parts 1 to {first.n} once each, has {given}")
+    text = "".join([*first.head, *_interleave(found)])
+    files.check_outputs([file], parts)
+    files.write_bytes(file, text.encode("utf-8", "surrogateescape"))
+
+
+def _read(path: str) -> _Part:
+    lines = [f"{line}\n" for line in read_text(path).removesuffix("\n").split("\n")]
+    marks = [i for i, line in enumerate(lines) if _PART.match(line.rstrip("\n"))]
+    if len(marks) != 1:
+        raise InputError(f"{path}: is not written by rwmf-batch --part K/N")
+    match = _PART.match(lines.pop(marks[0]).rstrip("\n"))
+    heads = [i for i, line in enumerate(lines) if not line.startswith("#")]
+    start = heads[0] + 1 if heads else len(lines)
+    k, n = (int(word) for word in match.groups()) if match else (0, 0)
+    return _Part(path, k, n, tuple(lines[:start]), tuple(lines[start:]))
+
+
+def _interleave(parts: list[_Part]) -> list[str]:
+    """Return the rows of an undivided run: periods were dealt to the parts in turn."""
+    curves = [_curves(part) for part in parts]
+    if len({len(found) for found in curves}) > 1:
+        raise InputError("merge: the parts do not have the same mass ratios and widths")
+    rows: list[str] = []
+    for same in zip(*curves, strict=True):
+        # the first parts may have one period more
+        for turn in range(len(same[0])):
+            rows += [curve[turn] for curve in same if turn < len(curve)]
+    return rows
+
+
+def _curves(part: _Part) -> list[list[str]]:
+    """Return the rows grouped by width and mass ratio, the columns before the period."""
+    names = part.head[-1].rstrip("\n").split(",")
+    n = names.index("T_s_s") if "T_s_s" in names else 0
+    curves: dict[tuple[str, ...], list[str]] = {}
+    for row in part.rows:
+        curves.setdefault(tuple(row.split(",")[:n]), []).append(row)
+    return list(curves.values())
 
 
 class RunOptions(TypedDict, total=False):
@@ -254,20 +318,7 @@ def _drop_store(path: Path, layout: Layout) -> None:
 
 
 def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
-    """Return the path of the store for the chunks of a sweep or of one part.
-
-    Parameters
-    ----------
-    path : path
-        NetCDF file of the sweep.
-    part : (int, int)
-        (K, N): the K-th of N parts.
-
-    Returns
-    -------
-    path
-        Path of the store, beside the file.
-    """
+    """Return the path of the store for the chunks of a sweep or of one part."""
     suffix = "" if part[1] == 1 else f".part-{part[0]}-of-{part[1]}"
     return path.with_name(f"{path.name}{suffix}.journal")
 
@@ -322,18 +373,7 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
 
 
 def open_result(path: Path) -> xr.Dataset:
-    """Open the file of a sweep.
-
-    Parameters
-    ----------
-    path : path
-        NetCDF file of the sweep.
-
-    Returns
-    -------
-    xarray.Dataset
-        Opened, but not yet read.
-    """
+    """Open the file of a sweep."""
     return xr.open_dataset(path, engine="h5netcdf")
 
 

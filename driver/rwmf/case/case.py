@@ -14,15 +14,51 @@ from rwmf import _library
 from rwmf._files import files
 from rwmf._files.names import problem_of_name
 from rwmf._numbers import show
-from rwmf.case.changes import numbers_of
-from rwmf.case.frame_alone import changes_without_wall
 from rwmf.case.group import Group
 from rwmf.case.groups import TYPES, Groups
 from rwmf.case.motion import Motion
-from rwmf.case.namelist import compose, read_text
+from rwmf.case.namelist import compose, numbers_of, read_text
 from rwmf.errors import InputError, did_you_mean, without_lines
 
-__all__ = ["Case", "CaseLike"]
+
+def changes_without_wall(case: Case) -> dict[str, dict[str, object] | None]:
+    """Return the changes that remove the wall."""
+    found: dict[str, dict[str, object] | None] = {
+        name: None for name in case.groups if name in groups_of_wall()
+    }
+    heights = _heights_of_wall(case, found)
+    if "spectrum" in case.groups:
+        found["spectrum"] = {"gamma": None, "b": None}
+    if "output" in case.groups:
+        found["output"] = {"friction_limit": None}
+    return found | _free_floors(case) | heights | {"frame": {"gamma": None}}
+
+
+def _free_floors(case: Case) -> dict[str, dict[str, object]]:
+    """Choose the modes of storeys without a wall that every floor is linked to."""
+    if case.storeys is not None and case.storeys.coupling == "springs":
+        return {"storeys": {"coupling": "full", "k_link_over_m_w": None, "k_link": None}}
+    if case.storeys is None or case.storeys.coupling != "every_floor":
+        return {}
+    one_by_one = case.yielding is not None and "storey_u_y" in case.yielding
+    return {"storeys": {"coupling": "full" if one_by_one else "reduced"}}
+
+
+def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[str, object]]:
+    """Return the keys that default to 2h; storeys have individual heights."""
+    if case.wall is None or "storeys" in case.groups:
+        return {}
+    return {
+        row.group: {row.key: 2 * case.wall.h}
+        for row in _library.schema()
+        if row.default == "2h" and row.group in case.groups and row.group not in gone
+        if row.key not in case.groups[row.group].given
+    }
+
+
+def groups_of_wall() -> set[str]:
+    """Return the wall and the groups that require it."""
+    return {name for name, needs in _library.needs_of_groups().items() if {name, *needs} & {"wall"}}
 
 
 class Case(Groups):
@@ -486,25 +522,7 @@ def _path_text(path: object) -> str:
 def kernel_for_host(
     case: CaseLike | Mapping[str, Mapping[str, object]],
 ) -> tuple[_library.KernelCase, str]:
-    """Read a case for an element, whose file may lack keys that only a run needs.
-
-    Parameters
-    ----------
-    case : Case, path, or mapping of str to mapping
-        The case, the path of its namelist, or its groups.
-
-    Returns
-    -------
-    KernelCase
-        The case in the kernel.
-    str
-        Path for messages and records, or ''.
-
-    Raises
-    ------
-    InputError
-        When the case is not acceptable.
-    """
+    """Read a case for an element, whose file may lack keys that only a run needs."""
     if isinstance(case, Case):
         return case.kernel, case.kernel_source()
     if not isinstance(case, Mapping):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,25 @@ from rwmf._numbers import to_array
 from rwmf.case.case import Case
 from rwmf.quantities import keys_of
 
-__all__ = ["Values", "with_grid"]
+if TYPE_CHECKING:
+    from rwmf.case.case import Case
+
+
+def heights_of_storeys(case: Case, n: int) -> list[float]:
+    """Return the height of each storey, from floor to floor; a frame without storeys has one."""
+    if case.storeys is None:
+        height = height_of_frame(case)
+        return [] if height is None else [height]
+    given = case.storeys.height
+    return list(given) * (n if len(given) == 1 else 1)
+
+
+def height_of_frame(case: Case) -> float | None:
+    """Return the height of a frame with one degree of freedom."""
+    if case.p_delta is not None and "h_f" in case.p_delta.given:
+        return case.p_delta.h_f
+    return None if case.wall is None else 2 * case.wall.h
+
 
 Values = Sequence[float] | npt.NDArray[np.float64] | float
 
@@ -23,27 +42,7 @@ def with_grid(
     b: Values | None = None,
     quantities: Sequence[str] | None = None,
 ) -> Case:
-    """Return the case with another grid, or other quantities, in its `&spectrum`.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    T_s, gamma, b : float or sequence of float, optional
-        As in `spectrum`; None keeps the values of the case.
-    quantities : sequence of str, optional
-        Likewise.
-
-    Returns
-    -------
-    Case
-        The edited case, or the same one when there is nothing to edit.
-
-    Raises
-    ------
-    InputError
-        When the grid is not acceptable.
-    """
+    """Return the case with another grid, or other quantities, in its `&spectrum`."""
     grid: dict[str, npt.NDArray[np.float64] | list[str] | None] = {}
     if T_s is not None:
         # the list replaces the uniform grid

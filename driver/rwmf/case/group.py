@@ -13,8 +13,6 @@ from rwmf import _library
 from rwmf._numbers import show
 from rwmf.case.namelist import Value, format_value, parse_value
 
-__all__ = ["Group"]
-
 
 class Group(Mapping[str, Value]):
     """The values of one namelist group, by attribute or by key; keys match in any case.
@@ -32,15 +30,6 @@ class Group(Mapping[str, Value]):
     in_si : mapping of str to (float or tuple of float, str)
         Dimensional values of ratios to the mass or the weight of the wall, with their units (kg,
         N, N/m or N s/m). Empty without a mass in the case.
-
-    Parameters
-    ----------
-    name : str
-        Name of the group.
-    rows : list of list of str
-        Key, type, value, unit, and 'given', 'default' or 'derived' (from dimensional keys), as the
-        kernel describes them. Then come the value with a unit, this unit, and the given value where
-        a rule converts it; '' where absent.
     """
 
     __slots__ = ("_derived", "_given", "_in_si", "_name", "_raw", "_units", "_values")
@@ -86,13 +75,7 @@ class Group(Mapping[str, Value]):
         return dict(self._in_si)
 
     def as_given(self) -> dict[str, Value]:
-        """Return the given values, before rules convert them.
-
-        Returns
-        -------
-        dict of str to value
-            By key, in the kernel's order.
-        """
+        """Return the given values, before rules convert them."""
         return {key: self._raw.get(key, self._values[key]) for key in self if key in self._given}
 
     def __getitem__(self, key: str) -> Value:

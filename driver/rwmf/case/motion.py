@@ -16,8 +16,6 @@ from rwmf._files import files
 from rwmf._numbers import show, to_array, to_number
 from rwmf.errors import InputError
 
-__all__ = ["Motion"]
-
 _UNITS = ("g", "m/s2", "cm/s2")
 _ARRAY = "an array of numbers with one dimension"
 

@@ -2,18 +2,65 @@
 
 from __future__ import annotations
 
+import functools
 import stat
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
-from rwmf._numbers import is_whole, show, to_items
+from rwmf import _library
+from rwmf._numbers import is_whole, show, to_array, to_items, to_number
 from rwmf.case.motion import Motion
 from rwmf.errors import InputError
 
-__all__ = ["Value", "compose", "format_value", "parse_value", "read_text"]
+
+def numbers_of(
+    groups: Mapping[str, object],
+) -> tuple[_library.Changes, npt.NDArray[np.float64]] | None:
+    """Split an edit into keys and numbers."""
+    kinds = _kinds()
+    names: list[str] = []
+    values: list[npt.NDArray[np.float64]] = []
+    for group, changes in groups.items():
+        if not isinstance(changes, Mapping) or not changes:
+            return None
+        for key, value in changes.items():
+            name = f"{group}.{key}".lower()
+            found = _numbers(name, kinds.get(name, ""), value)
+            if found is None or name in names:
+                return None
+            names.append(name)
+            values.append(found)
+    sizes = tuple(array.size for array in values)
+    numbers = np.concatenate(values) if values else np.zeros(0)
+    return _library.Changes(tuple(names), sizes), numbers
+
+
+def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | None:
+    """Return the value of a key as numbers; no numbers for None, which removes the key."""
+    if value is None and kind:
+        return np.zeros(0)
+    try:
+        if kind in ("reals", "real list"):
+            return to_array(name, value, least=1)
+        if kind == "logical" and isinstance(value, bool | np.bool_):
+            return np.array([value], dtype=np.float64)
+        if kind == "real" or (kind == "integer" and is_whole(value)):
+            return np.array([to_number(name, value)])
+    except InputError:
+        # the parser of the whole text gives the message
+        return None
+    return None
+
+
+@functools.cache
+def _kinds() -> dict[str, str]:
+    """Return the type of each key by ``group.key`` in lower case."""
+    return {f"{row.group}.{row.key}".lower(): row.kind for row in _library.schema()}
+
 
 Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
@@ -24,23 +71,7 @@ _HOLDS = "a namelist holds numbers, texts, true or false, and lists of them"
 
 
 def read_text(path: str) -> str:
-    """Read the text of a namelist file, with the messages of the batch program.
-
-    Parameters
-    ----------
-    path : str
-        The file.
-
-    Returns
-    -------
-    str
-        Its text; bytes that are not UTF-8 are unchanged when written again.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or when it cannot be read.
-    """
+    """Read the text of a namelist file, with the messages of the batch program."""
     try:
         status = Path(path).stat()
     except (OSError, ValueError):
@@ -55,18 +86,7 @@ def read_text(path: str) -> str:
 
 
 def compose(groups: Mapping[str, Mapping[str, object]]) -> str:
-    """Write groups as namelist text.
-
-    Parameters
-    ----------
-    groups : mapping of str to mapping
-        Keys and values of every group; None values are omitted.
-
-    Returns
-    -------
-    str
-        The groups in order, one line per key; numbers round-trip to the same bits.
-    """
+    """Write groups as namelist text."""
     return "\n".join(_compose_group(name, entries) for name, entries in groups.items())
 
 
@@ -100,23 +120,7 @@ def _wrap(line: str, value: object) -> list[str]:
 
 
 def format_value(value: object) -> str:
-    """Format one value for a namelist.
-
-    Parameters
-    ----------
-    value : bool, int, float, str, numpy scalar, or a sequence or array of these
-        The value.
-
-    Returns
-    -------
-    str
-        Namelist text of the value.
-
-    Raises
-    ------
-    InputError
-        When a namelist cannot hold the value.
-    """
+    """Format one value for a namelist."""
     if isinstance(value, Motion):
         return format_value(value.name)
     if isinstance(value, str):
@@ -138,20 +142,7 @@ def format_value(value: object) -> str:
 
 
 def parse_value(kind: str, text: str) -> Value:
-    """Convert a value of the kernel's description.
-
-    Parameters
-    ----------
-    kind : str
-        Type by the kernel's name; a list's name ends in ``list``.
-    text : str
-        The value; list items are separated by commas.
-
-    Returns
-    -------
-    bool, int, float, str, tuple of float or tuple of str
-        The typed value.
-    """
+    """Convert a value of the kernel's description."""
     if kind == "text list":
         return tuple(text.split(", "))
     if kind in ("reals", "real list"):

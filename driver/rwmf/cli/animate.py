@@ -13,27 +13,9 @@ from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.plotting.animation import animate, in_words
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
-    """Make the film.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Make the film."""
     case = Case.from_namelist(options.case)
     path = Path(options.out or f"{Path(options.case).stem}.gif")
     files.check_outputs([path], case.inputs)

@@ -9,8 +9,6 @@ from rwmf.case import Case
 from rwmf.case.group import Group
 from rwmf.cli.output import print_json
 
-__all__ = ["run"]
-
 # lines of `rwmf check`: word of the kernel's inventory, label, and text for an empty list
 _INVENTORY = (
     ("effects", "effects", "none"),
@@ -23,23 +21,7 @@ _INVENTORY = (
 
 
 def run(options: argparse.Namespace) -> int:
-    """Validate a case and print its contents (``rwmf check``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Validate a case and print its contents (``rwmf check``)."""
     case = Case.from_namelist(options.case)
     found = case.kernel.inventory()
     if options.json:

@@ -10,31 +10,18 @@ from rwmf._files import files
 from rwmf._progress import progress
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_warnings, print_written
-from rwmf.plotting import cost_figure as plot_cost
 from rwmf.plotting import image_files as figures
+from rwmf.plotting import result_figures as plot_cost
 from rwmf.plotting.style import new_figure
-
-__all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the cost of accuracy.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-    """
+    """Print the cost of accuracy."""
     case = Case.from_namelist(options.case)
     files.check_outputs([options.plot], case.inputs)
     figures.check_formats(options.plot)
     with progress() as report:
-        found = cost(case, options.target, report, options.quantity)
+        found = cost(case, options.target, report, options.quantities)
     if options.plot:
         with new_figure(4.2) as figure:
             left, right = figure.subplots(1, 2, sharey=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import shlex
+from pathlib import Path
 from typing import TypeVar
 
 from rwmf._design.design import Design, design
@@ -14,32 +15,17 @@ from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.errors import InputError
 from rwmf.plotting import design_page
 
-__all__ = ["run"]
-
 _T = TypeVar("_T")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Find and print a design (``rwmf design``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Find and print a design (``rwmf design``)."""
     case = Case.from_namelist(options.case)
-    files.check_outputs([options.out, options.report], case.inputs)
-    design_page.check_format_of_page(options.report)
+    files.check_outputs(options.out, case.inputs)
+    namelists = [path for path in options.out if Path(path).suffix.lower() == ".nml"]
+    pages = [path for path in options.out if path not in namelists]
+    for path in pages:
+        design_page.check_format_of_page(path)
     bounds, weights = _by_key("--vary", options.vary), _by_key("--cost", options.cost)
     try:
         found = design(
@@ -57,16 +43,16 @@ def run(options: argparse.Namespace) -> int:
         if bounds or options.target or weights or options.records or case.design is None:
             raise
         raise InputError(f"{options.case}, &design: {error}") from None
-    if options.out:
-        found.case.to_namelist(options.out)
-    if options.report:
-        design_page.write(found, options.report, _commands(options))
+    for path in namelists:
+        found.case.to_namelist(path)
+    for path in pages:
+        design_page.write(found, path, _commands(options, namelists))
     print_warnings(options.case, found.warnings)
     if options.json:
         print_json(found.to_dict())
     else:
         _print(found)
-    print_written([options.out, options.report], is_json=options.json)
+    print_written(options.out, is_json=options.json)
     return 0
 
 
@@ -99,7 +85,7 @@ def _print(found: Design) -> None:
         print("no record was left out: the design is judged on its own motions")
 
 
-def _commands(options: argparse.Namespace) -> list[str]:
+def _commands(options: argparse.Namespace, namelists: list[str]) -> list[str]:
     """Return the commands that repeat the design."""
     words = ["rwmf", "design", options.case]
     bounds = [f"{key}={low!r}:{high!r}" for key, (low, high) in options.vary or ()]
@@ -117,4 +103,4 @@ def _commands(options: argparse.Namespace) -> list[str]:
         words += [f"--{name.replace('_', '-')}", *given] if given else []
     words += ["--unit", options.unit] if options.unit else []
     words += ["--designs", str(options.designs)] if options.designs else []
-    return [shlex.join([*words, "--out", options.out or "design.nml"])]
+    return [shlex.join([*words, "--out", *(namelists or ["design.nml"])])]

@@ -6,26 +6,8 @@ import argparse
 
 from rwmf._explore import explore
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
-    """Show a case in the browser.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        As `rwmf.explore`.
-    """
+    """Show a case in the browser."""
     explore(options.case, options.port, not options.no_browser)
     return 0

@@ -7,34 +7,25 @@ from pathlib import Path
 
 from rwmf._files import files
 from rwmf.case import Case
+from rwmf.errors import InputError
 from rwmf.export.fmu import export_fmu
 from rwmf.export.opensees import opensees_script
 from rwmf.export.opensees_run import compare_with_opensees, run_opensees
 
-__all__ = ["write_fmu", "write_opensees"]
 
-
-def write_fmu(options: argparse.Namespace) -> int:
-    """Write a case as a functional mock-up unit (``rwmf export fmu``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        As `export_fmu`.
-    """
+def run(options: argparse.Namespace) -> int:
+    """Write a case for another program, by the suffix of the file (``rwmf export``)."""
     case = Case.from_namelist(options.case)
-    path = Path(options.file)
+    path = Path(options.out)
     files.check_outputs([path], case.inputs)
+    if path.suffix == ".fmu":
+        return _write_fmu(case, path, options)
+    if path.suffix == ".py":
+        return _write_opensees(case, path, options)
+    raise InputError(f"{path}: must end with .fmu (functional mock-up unit) or .py (OpenSeesPy)")
+
+
+def _write_fmu(case: Case, path: Path, options: argparse.Namespace) -> int:
     variables = export_fmu(case, path, link=options.input == "link")
     counts = [
         f"{sum(variable.kind in kinds for variable in variables)} {name}"
@@ -44,27 +35,7 @@ def write_fmu(options: argparse.Namespace) -> int:
     return 0
 
 
-def write_opensees(options: argparse.Namespace) -> int:
-    """Write a case as a script for OpenSeesPy (``rwmf export opensees``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files; InputError names a group that OpenSees lacks.
-    """
-    case = Case.from_namelist(options.case)
-    path = Path(options.file)
-    files.check_outputs([path], case.inputs)
+def _write_opensees(case: Case, path: Path, options: argparse.Namespace) -> int:
     script = opensees_script(case)
     files.write_bytes(path, script.encode())
     print(f"written: {path}, {len(script.splitlines())} lines")

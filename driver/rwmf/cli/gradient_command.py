@@ -9,27 +9,9 @@ from rwmf.case import Case
 from rwmf.cli.gradient_output import print_gradient
 from rwmf.cli.output import print_json
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
-    """Print derivatives (``rwmf gradient``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the computation.
-    """
+    """Print derivatives (``rwmf gradient``)."""
     case = Case.from_namelist(options.case)
     found = gradient(
         case,

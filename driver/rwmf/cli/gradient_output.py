@@ -8,25 +8,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["derivatives_by_name", "print_gradient"]
 
 _WIDTH = 14
 
 
 def derivatives_by_name(found: xr.Dataset) -> dict[str, Any]:
-    """Name the derivatives as the summary of a run does.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        From `rwmf.gradient`, of one run.
-
-    Returns
-    -------
-    dict
-        ``d_<quantity>_d_<key>``, and with the ends ``_error``, ``_valid_within`` and ``_is_kink``
-        the variables of `rwmf.gradient`.
-    """
+    """Name the derivatives as the summary of a run does."""
     summary: dict[str, Any] = {}
     for quantity in found["quantity"].values:
         for parameter in found["parameter"].values:
@@ -39,13 +26,7 @@ def derivatives_by_name(found: xr.Dataset) -> dict[str, Any]:
 
 
 def print_gradient(found: xr.Dataset) -> None:
-    """Print derivatives as tables, one for each record and quantity.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        From `rwmf.gradient`.
-    """
+    """Print derivatives as tables, one for each record and quantity."""
     if "record" in found.dims:
         for record in found["record"].values:
             print(f"{record}:")

@@ -15,9 +15,6 @@ from rwmf._files.streams import ReaderGoneError, guarded
 from rwmf.cli.parser import make_parser
 from rwmf.errors import OutputError, RwmfError, RwmfWarning
 
-__all__ = ["main"]
-
-
 # exit status of unexpected errors
 _UNFORESEEN = 3
 # 128 and the number of SIGINT, as shells report it
@@ -28,18 +25,7 @@ _ENDS = (signal.SIGTERM, signal.SIGHUP)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Words after the command's name; otherwise those of the process.
-
-    Returns
-    -------
-    int
-        Exit status: 0, 1 numerical failure, 2 input or output, 3 unexpected error, 130 interrupted.
-    """
+    """Run the command."""
     with guarded() as lost, _ended_by_signals():
         try:
             status = _run(arguments)

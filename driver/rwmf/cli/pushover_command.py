@@ -14,18 +14,24 @@ from rwmf._files import files
 from rwmf._pushover import columns_by_key, pushover
 from rwmf._simulation import simulate
 from rwmf.case import Case
-from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import (
+    check_words,
+    checks_if_limited,
+    print_checks,
+    print_json,
+    print_warnings,
+    print_written,
+    write_checks,
+)
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
-from rwmf.plotting.pushover_figure import LIMIT, words_of_mark
-from rwmf.plotting.pushover_figure import pushover as draw
+from rwmf.plotting.result_figures import LIMIT, words_of_mark
+from rwmf.plotting.result_figures import pushover as draw
 from rwmf.plotting.style import new_figure
 
 if TYPE_CHECKING:
     from rwmf._checks.checks import Checks
 
-__all__ = ["run"]
 
 # points of a dynamic hysteresis
 _POINTS = 8000
@@ -33,25 +39,9 @@ _KILO = 1e-3
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute a static curve (``rwmf pushover``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Compute a static curve (``rwmf pushover``)."""
     case = Case.from_namelist(options.case)
-    written = [options.csv, options.plot, *(options.checks or ())]
+    written = [options.out, options.plot, *(options.checks or ())]
     files.check_outputs(written, case.inputs)
     figures.check_formats(options.plot)
     check_words(case, options.checks)
@@ -60,8 +50,8 @@ def run(options: argparse.Namespace) -> int:
     pattern = options.pattern or ("floors" if options.forces else None)
     wanted = {} if options.drifts is None else {"drifts": options.drifts}
     curve = pushover(case, pattern=pattern, forces=options.forces, steps=options.steps, **wanted)
-    if options.csv:
-        files.write_bytes(options.csv, _table(curve).encode())
+    if options.out:
+        files.write_bytes(options.out, _table(curve).encode())
     if options.plot:
         history = _history(case) if options.run_too else None
         with new_figure(3.8) as figure:

@@ -12,12 +12,10 @@ from rwmf._records.facts import Described, curves, describe
 from rwmf._sweep.intensity import G
 from rwmf.case import Motion
 from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
-from rwmf.errors import OutputError
+from rwmf.errors import InputError, OutputError
 from rwmf.plotting import image_files as figures
-from rwmf.plotting.record_figure import draw_records, draw_selection
+from rwmf.plotting.ground import draw_records, draw_selection
 from rwmf.plotting.style import new_figure
-
-__all__ = ["convert", "export", "info", "join", "select", "show"]
 
 # facts of a table: key, title, width and format
 _COLUMNS = (
@@ -32,68 +30,19 @@ _COLUMNS = (
 )
 
 
-def show(_: argparse.Namespace) -> int:
-    """List the records (``rwmf records list``).
-
-    Parameters
-    ----------
-    _ : argparse.Namespace
-        Unused.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError
-        When a file of the package cannot be read.
-    """
-    print("\n".join(records.list_records()))
-    return 0
-
-
 def export(options: argparse.Namespace) -> int:
-    """Write a record into a file (``rwmf records export``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
-    print(records.export(options.name, options.file, force=options.force))
+    """Write a record into a file, or list the records (``rwmf records export``)."""
+    if options.name is None:
+        print("\n".join(records.list_records()))
+    elif options.out is None:
+        raise InputError("records export: needs --out FILE")
+    else:
+        print(records.export(options.name, options.out, force=options.force))
     return 0
 
 
 def info(options: argparse.Namespace) -> int:
-    """Describe records (``rwmf records info``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        When a record cannot be read, or the figure cannot be written.
-    """
+    """Describe records (``rwmf records info``)."""
     files.check_outputs([options.plot], options.files)
     figures.check_formats(options.plot)
     found = [
@@ -134,46 +83,14 @@ def _print_facts(found: list[dict[str, Any]]) -> None:
 
 
 def convert(options: argparse.Namespace) -> int:
-    """Write one channel of a record for `&motion` (``rwmf records convert``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        When the record cannot be read, or the file cannot be written.
-    """
+    """Write one channel of a record for `&motion` (``rwmf records convert``)."""
     motion = records.read(options.record, unit=options.unit, dt=options.dt, channel=options.channel)
     _write(motion, options, [options.record])
     return 0
 
 
 def join(options: argparse.Namespace) -> int:
-    """Join main shock and aftershock (``rwmf records join``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        When a record cannot be read, or the file cannot be written.
-    """
+    """Join main shock and aftershock (``rwmf records join``)."""
     motion = records.sequence(
         options.main,
         options.after,
@@ -188,7 +105,7 @@ def join(options: argparse.Namespace) -> int:
 
 def _write(motion: Motion, options: argparse.Namespace, inputs: list[str]) -> None:
     """Write a motion, and print the keys that read it."""
-    target = Path(options.file)
+    target = Path(options.out)
     files.check_outputs([target], inputs)
     if target.exists() and not options.force:
         raise OutputError(f"{target}: is there already; --force replaces it")
@@ -199,23 +116,7 @@ def _write(motion: Motion, options: argparse.Namespace, inputs: list[str]) -> No
 
 
 def select(options: argparse.Namespace) -> int:
-    """Choose records and scale them to a target spectrum (``rwmf records select``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        When records do not suit, or a file cannot be written.
-    """
+    """Choose records and scale them to a target spectrum (``rwmf records select``)."""
     files.check_outputs([options.out, options.plot], [options.target])
     figures.check_formats(options.plot)
     with printed_warnings(options.target):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +14,12 @@ import xarray as xr
 import rwmf
 from rwmf._files import files
 from rwmf._progress import progress
-from rwmf._risk.annual import unit_of
-from rwmf._risk.hazard import hazard_of
+from rwmf._risk.annual import hazard_of, unit_of
 from rwmf._risk.loss import loss_quantities, nrml_text, write_pelicun
 from rwmf._risk.table import fallen, quantities_of, write_dataset
 from rwmf._sweep.executors import open_executor
 from rwmf._sweep.netcdf import check_package
-from rwmf._sweep.point_files import is_netcdf
+from rwmf._sweep.points import is_netcdf
 from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
@@ -26,62 +27,59 @@ from rwmf.plotting import image_files as figures
 from rwmf.plotting import risk_figures as plots
 from rwmf.plotting.style import new_figure
 
-__all__ = ["analyse", "fit", "integrate"]
-
-_SHARED = ("intensity", "period", "damping", "periods", "file", "restart", "threads")
+_SHARED = ("intensity", "period", "damping", "periods", "restart", "threads")
 _NOT_IN_MODEL = (
     "runs cannot show sliding, crushed toes, cracked or yielding walls, failed joints or "
     "settlement; a rigid base with elastic springs recentres by construction"
 )
 
 
-def analyse(options: argparse.Namespace) -> int:
-    """Run an analysis of a suite (``rwmf ida``, ``rwmf stripes``, ``rwmf cloud``).
+def ida(options: argparse.Namespace) -> int:
+    """Run an incremental dynamic analysis (``rwmf ida``)."""
 
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
+    def run(*args: Any, **further: Any) -> xr.Dataset:  # noqa: ANN401 (of the analysis)
+        limits = dict(options.limits)
+        further |= {"tolerance": options.tolerance, "highest": options.highest, "limits": limits}
+        return rwmf.ida(*args, **further | {"levels": options.levels})
 
-    Returns
-    -------
-    int
-        Exit status.
+    return _analyse("ida", options, run)
 
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the analysis and the writers of files.
-    """
+
+def stripes(options: argparse.Namespace) -> int:
+    """Run records at levels of intensity (``rwmf stripes``)."""
+    return _analyse("stripes", options, partial(rwmf.stripes, levels=options.levels))
+
+
+def cloud(options: argparse.Namespace) -> int:
+    """Run records with their intensities (``rwmf cloud``)."""
+    return _analyse("cloud", options, partial(rwmf.cloud, factors=options.factors))
+
+
+def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.Dataset]) -> int:
+    """Run an analysis of a suite."""
     cases = [rwmf.Case.from_namelist(path) for path in options.cases]
-    with printed_warnings(options.analysis):
+    with printed_warnings(analysis):
         records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
     inputs = [path for case in cases for path in case.inputs]
     inputs += [Path(record.path) for record in records if record.path]
-    files.check_outputs([options.plot, options.file], inputs)
+    files.check_outputs([options.plot, options.out], inputs)
     figures.check_formats(options.plot)
     further: dict[str, Any] = {name: getattr(options, name) for name in _SHARED}
+    further["file"] = options.out
     names = options.quantities
     if names is None and options.pelicun:
         names = loss_quantities(cases[0])
     with open_executor(options.engine, options.workers) as executor, progress() as report:
         further |= {"executor": executor, "progress": report}
-        if options.analysis == "cloud":
-            table = rwmf.cloud(cases, records, names, factors=options.factors, **further)
-        elif options.analysis == "stripes":
-            table = rwmf.stripes(cases, records, options.levels, names, **further)
-        else:
-            further |= {"tolerance": options.tolerance, "highest": options.highest}
-            limits = _limits(options.limits)
-            table = rwmf.ida(cases, records, options.levels, names, limits=limits, **further)
-    print_warnings(options.analysis, str(table.attrs["warnings"]).splitlines())
+        table = run(cases, records, quantities=names, **further)
+    print_warnings(analysis, str(table.attrs["warnings"]).splitlines())
     _print_table(table)
-    written: list[str | Path | None] = [options.file]
+    written: list[str | Path | None] = [options.out]
     if options.pelicun:
         written += [path for path, _ in write_pelicun(table, Path(options.pelicun))]
     if options.plot:
         with new_figure(3.8) as figure:
-            draw = plots.cloud if options.analysis == "cloud" else plots.ida
+            draw = plots.cloud if analysis == "cloud" else plots.ida
             draw(table, figure.subplots())
             figures.save(figure, options.plot)
         written.append(options.plot)
@@ -90,29 +88,13 @@ def analyse(options: argparse.Namespace) -> int:
 
 
 def fit(options: argparse.Namespace) -> int:
-    """Fit fragility curves (``rwmf fragility``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        As the fit and the writers of files.
-    """
+    """Fit fragility curves (``rwmf fragility``)."""
     _check_outputs(options, [*options.tables])
     factor = None if options.shape_factor is None else _shape_factor(options.shape_factor)
     curves = rwmf.fragility(
         options.tables,
         options.limit,
-        options.quantity and [options.quantity],
+        options.quantities and [options.quantities],
         method=options.method,
         dispersions=options.dispersions or (),
         mce=options.mce,
@@ -127,36 +109,22 @@ def fit(options: argparse.Namespace) -> int:
         "shape_factor", "margin_ratio_adjusted", "probability_at_mce_adjusted",
     ]  # fmt: skip
     print_warnings(options.tables[0], str(curves.attrs["warnings"]).splitlines())
-    model = nrml_text(curves) if options.nrml else ""
-    _print_results(curves, names, options)
-    if options.nrml:
-        files.write_bytes(options.nrml, model.encode())
+    models = [path for path in options.out if Path(path).suffix.lower() == ".xml"]
+    model = nrml_text(curves) if models else ""
+    datasets = [path for path in options.out if path not in models]
+    _print_results(curves, names, options, datasets)
+    for path in models:
+        files.write_bytes(path, model.encode())
     if options.plot:
         with new_figure(3.8) as figure:
             plots.fragility(curves, figure.subplots())
             figures.save(figure, options.plot)
-    print_written([options.file, options.nrml, options.plot], is_json=options.json)
+    print_written([*options.out, options.plot], is_json=options.json)
     return 0
 
 
 def integrate(options: argparse.Namespace) -> int:
-    """Compute annual frequencies (``rwmf risk``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        As the computation and the writers of files.
-    """
+    """Compute annual frequencies (``rwmf risk``)."""
     inputs = [word for word in (options.fragility, options.hazard) if Path(word).is_file()]
     _check_outputs(options, inputs)
     fragility = _read_fragility(options.fragility)
@@ -164,7 +132,7 @@ def integrate(options: argparse.Namespace) -> int:
     found = rwmf.risk(fragility, hazard, levels=options.levels)
     names = ["annual_frequency", "annual_frequency_band", "closed_form", "return_period"]
     print_warnings(options.hazard, str(found.attrs["warnings"]).splitlines())
-    _print_results(found, [*names, "probability_50_years", "extrapolated"], options)
+    _print_results(found, [*names, "probability_50_years", "extrapolated"], options, [options.out])
     if options.plot:
         edges = found["intensity_low"].values[1:]
         with new_figure(3.8) as figure:
@@ -173,21 +141,14 @@ def integrate(options: argparse.Namespace) -> int:
             left.set_xlabel(plots.intensity_label(found.attrs))
             plots.deaggregation(found, right)
             figures.save(figure, options.plot)
-    print_written([options.file, options.plot], is_json=options.json)
+    print_written([options.out, options.plot], is_json=options.json)
     return 0
 
 
 def _check_outputs(options: argparse.Namespace, inputs: list[str]) -> None:
-    written = [options.plot, options.file, getattr(options, "nrml", None)]
-    files.check_outputs(written, inputs)
+    out = options.out if isinstance(options.out, list) else [options.out]
+    files.check_outputs([options.plot, *out], inputs)
     figures.check_formats(options.plot)
-
-
-def _limits(given: list[tuple[str, list[float]]]) -> dict[str, float]:
-    for name, values in given:
-        if len(values) != 1:
-            raise InputError(f"--limits {name}: has {len(values)} values: must be one number")
-    return {name: values[0] for name, values in given}
 
 
 def _pair(option: str, word: str) -> tuple[float, float] | None:
@@ -222,7 +183,7 @@ def _read_fragility(word: str) -> xr.Dataset | tuple[float, float]:
     if not path.is_file():
         raise InputError(f"{word}: the file does not exist, or is no regular file")
     if not is_netcdf(path):
-        raise InputError(f"{word}: must be a NetCDF file of rwmf fragility --file")
+        raise InputError(f"{word}: must be a NetCDF file of rwmf fragility --out")
     check_package()
     try:
         with xr.open_dataset(path, engine="h5netcdf") as dataset:
@@ -250,10 +211,12 @@ def _print_table(table: xr.Dataset) -> None:
                 print(f"  {name}: {numbers} of runs without collapse")
 
 
-def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namespace) -> None:
+def _print_results(
+    found: xr.Dataset, names: list[str], options: argparse.Namespace, paths: list[str | None]
+) -> None:
     """Print numbers of all designs and the limits of the model, or JSON; write the dataset."""
-    if options.file:
-        write_dataset(found, options.file)
+    for path in filter(None, paths):
+        write_dataset(found, path)
     shown = [name for name in names if name in found]
     if options.json:
         fields = {

@@ -15,9 +15,16 @@ from rwmf import _simulation as simulation
 from rwmf._files import files
 from rwmf._headline import grouped, headline, tendon_yield_of, value_text
 from rwmf.case import Case
-from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
 from rwmf.cli.gradient_output import derivatives_by_name, print_gradient
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import (
+    check_words,
+    checks_if_limited,
+    print_checks,
+    print_json,
+    print_warnings,
+    print_written,
+    write_checks,
+)
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
 from rwmf.quantities import SENSITIVITY, find
@@ -25,7 +32,6 @@ from rwmf.quantities import SENSITIVITY, find
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["run"]
 
 # digits of a printed number without an estimate of its error
 _MOST_DIGITS = 10
@@ -36,23 +42,7 @@ _LOOP_POINTS = 40000
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate one case (``rwmf run``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Simulate one case (``rwmf run``)."""
     case = Case.from_namelist(options.case)
     names = _library.result_names(options.case) if options.out else ()
     found = [Path(options.out, name) for name in names]

@@ -13,35 +13,24 @@ from rwmf._files import files
 from rwmf._progress import progress_bar
 from rwmf.case import Case
 from rwmf.case.grid import with_grid
-from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import (
+    check_words,
+    checks_if_limited,
+    print_checks,
+    print_json,
+    print_warnings,
+    print_written,
+    write_checks,
+)
 from rwmf.plotting import image_files as figures
 from rwmf.quantities import ENDINGS, names_by_key
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
-    """Compute a spectrum (``rwmf spectrum``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Compute a spectrum (``rwmf spectrum``)."""
     case = Case.from_namelist(options.case)
-    case = with_grid(case, quantities=options.quantity)
-    outputs = [options.csv, options.plot, *(options.checks or ())]
+    case = with_grid(case, quantities=options.quantities)
+    outputs = [options.out, options.plot, *(options.checks or ())]
     files.check_outputs(outputs, case.inputs)
     figures.check_formats(options.plot)
     check_words(case, options.checks)
@@ -50,8 +39,8 @@ def run(options: argparse.Namespace) -> int:
         _spectrum.start(case, options.threads, report) as sweep,
     ):
         dataset = _spectrum.to_dataset(sweep)
-        if options.csv:
-            sweep.write(case.text, options.csv)
+        if options.out:
+            sweep.write(case.text, options.out)
     print_warnings(options.case, dataset.attrs["warnings"].splitlines())
     if options.plot:
         figures.save_spectrum(dataset, options.plot)
@@ -90,7 +79,7 @@ def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
         f"in {dataset.attrs['seconds']:.2f} s with {dataset.attrs['threads']} threads, "
         f"{failed.sum()} failed, " + ", ".join(f"{(status == name).sum()} {name}" for name in ended)
     )
-    if not options.csv and not options.plot:
+    if not options.out and not options.plot:
         _print_ordinates(dataset)
 
 

@@ -1,4 +1,4 @@
-"""Subcommands ``rwmf sweep`` and ``rwmf merge``."""
+"""Subcommand ``rwmf sweep``."""
 
 from __future__ import annotations
 
@@ -14,38 +14,29 @@ import xarray as xr
 from rwmf._arguments import case_of
 from rwmf._files import files
 from rwmf._progress import progress
-from rwmf._sweep.computation import merge, path_of_store, sweep
-from rwmf._sweep.csv_parts import merge_csv
+from rwmf._sweep.computation import merge, merge_csv, path_of_store, sweep
 from rwmf._sweep.executors import open_executor
 from rwmf._sweep.sweep_file import read_sweep_file
-from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
-from rwmf.cli.output import print_warnings, print_written
+from rwmf.cli.output import (
+    check_words,
+    checks_if_limited,
+    print_checks,
+    print_warnings,
+    print_written,
+    write_checks,
+)
 from rwmf.errors import InputError, Interrupted
-
-__all__ = ["merge_parts", "run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run a sweep (``rwmf sweep``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Run a sweep, or join its parts (``rwmf sweep``)."""
+    if options.merge:
+        return _merge(options)
+    if options.sweep is None:
+        raise InputError("sweep: needs SWEEP.nml, or --merge PART ...")
     request, path = read_sweep_file(options.sweep)
-    if options.file:
-        path = Path(options.file)
+    if options.out:
+        path = Path(options.out)
     part = _parse_part(options.part)
     files.check_outputs([path, *(options.checks or ())], [options.sweep, str(request.case)])
     case = case_of(request.case)
@@ -81,17 +72,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
-    """Print a summary of a sweep.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `sweep`.
-    path : path
-        Its file.
-    seconds : float
-        Duration [s].
-    """
+    """Print a summary of a sweep."""
     codes = dataset["status"].values
     names = dataset["status"].attrs["flag_meanings"].split()
     parts = [f"{np.count_nonzero(codes == i)} {name}" for i, name in enumerate(names)]
@@ -100,29 +81,15 @@ def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
     print(f"written: {path}")
 
 
-def merge_parts(options: argparse.Namespace) -> int:
-    """Join parts (``rwmf merge``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
-    if Path(options.file).suffix.lower() == ".csv":
-        merge_csv(options.parts, options.file)
+def _merge(options: argparse.Namespace) -> int:
+    """Join parts into one file."""
+    if options.out is None or options.sweep is not None:
+        raise InputError("sweep: --merge needs --out FILE, and no SWEEP.nml")
+    if Path(options.out).suffix.lower() == ".csv":
+        merge_csv(options.merge, options.out)
     else:
-        merge(_stores(options.parts), options.file).close()
-    print(f"written: {options.file}")
+        merge(_stores(options.merge), options.out).close()
+    print(f"written: {options.out}")
     return 0
 
 

@@ -4,30 +4,20 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Callable
 
 from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
 from rwmf.errors import OutputError
 
-__all__ = ["key_with_numbers", "number", "numbers", "thread_count", "whole", "written_file"]
-
+_TARGET = re.compile(r"(\w+)=([^@x]+)(?:@([^@x]+))?(?:x([^@x]+))?")
+_LIMITS = re.compile(r"limits@([^@x]+)(?:x([^@x]+))?")
 _MOST_THREADS = 2**31 - 1
 _MOST_NUMBERS = 1_000_000
 
 
 def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str], float]:
-    """Make the type of an option with a finite number.
-
-    Parameters
-    ----------
-    above, below : float
-        Ends of the range, excluded.
-
-    Returns
-    -------
-    callable
-        A type for `argparse`.
-    """
+    """Make the type of an option with a finite number."""
     texts = {
         (False, False): "a finite number",
         (True, False): f"a finite number > {above:g}",
@@ -49,18 +39,7 @@ def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str],
 
 
 def whole(lowest: int, highest: int) -> Callable[[str], int]:
-    """Make the type of an option with a whole number.
-
-    Parameters
-    ----------
-    lowest, highest : int
-        Ends of the range, included.
-
-    Returns
-    -------
-    callable
-        A type for `argparse`.
-    """
+    """Make the type of an option with a whole number."""
 
     def read(word: str) -> int:
         try:
@@ -76,23 +55,7 @@ def whole(lowest: int, highest: int) -> Callable[[str], int]:
 
 
 def numbers(word: str) -> list[float]:
-    """Read ``FIRST:LAST:N`` with both ends, or comma-separated numbers.
-
-    Parameters
-    ----------
-    word : str
-        Text in one of these forms.
-
-    Returns
-    -------
-    list of float
-        The numbers.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        When the text has neither form, or when there are too many numbers.
-    """
+    """Read ``FIRST:LAST:N`` with both ends, or comma-separated numbers."""
     # imported here so that help and other error messages need not wait for it
     import numpy as np
 
@@ -110,74 +73,54 @@ def numbers(word: str) -> list[float]:
         ) from None
 
 
-def key_with_numbers(word: str) -> tuple[str, list[float]]:
-    """Read ``KEY=LIST``.
-
-    Parameters
-    ----------
-    word : str
-        A key of the case, and numbers as for `numbers`.
-
-    Returns
-    -------
-    str
-        The key.
-    list of float
-        The numbers.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        When the text has another form.
-    """
-    key, sign, values = word.partition("=")
-    if not key or not sign:
-        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=LIST")
-    return key, numbers(values)
-
-
 def thread_count(word: str) -> int:
-    """Read a number of threads, 0 for all; the kernel enforces the limit.
-
-    Parameters
-    ----------
-    word : str
-        The number.
-
-    Returns
-    -------
-    int
-        The number.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        When it is no whole number, or a negative one.
-    """
+    """Read a number of threads, 0 for all; the kernel enforces the limit."""
     return whole(0, _MOST_THREADS)(word)
 
 
 def written_file(word: str) -> str:
-    """Read the name of a file to write.
-
-    Parameters
-    ----------
-    word : str
-        The name, with folders or without.
-
-    Returns
-    -------
-    str
-        The name.
-
-    Raises
-    ------
-    OutputError
-        When no file can have that name.
-    """
+    """Read the name of a file to write."""
     problem = problem_of_name(word)
     if problem is None and is_name_of_folder(word):
         problem = "is a folder, not a file"
     if problem is not None:
         raise OutputError(f"{shorten(word)}: {problem}")
     return word
+
+
+def bounds(word: str) -> tuple[str, tuple[float, float]]:
+    """Read ``KEY=LOW:HIGH``."""
+    key, _, ends = word.partition("=")
+    low, _, high = ends.partition(":")
+    try:
+        return key, (number()(low), number()(high))
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=LOW:HIGH") from None
+
+
+def weight(word: str) -> tuple[str, float]:
+    """Read ``KEY=NUMBER``."""
+    key, sign, value = word.partition("=")
+    try:
+        return key, number()(value if key and sign else "")
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=NUMBER") from None
+
+
+def target(word: str) -> dict[str, object]:
+    """Read a target: a percentile of a quantity, or a probability of collapse."""
+    read = number()
+    if limits := _LIMITS.fullmatch(word):
+        scale = {"scale": read(limits[2])} if limits[2] else {}
+        return {"quantity": "limits", "percentile": read(limits[1])} | scale
+    parts = _TARGET.fullmatch(word)
+    is_collapse = parts is not None and parts[1] == "collapse"
+    if parts is None or (parts[3] is None) != is_collapse:
+        wanted = "KEY=LIMIT@PERCENTILE, limits@PERCENTILE or collapse=PROBABILITY, and xFACTOR"
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be {wanted}")
+    found: dict[str, object] = {"quantity": parts[1]}
+    if is_collapse:
+        found["probability"] = read(parts[2])
+    else:
+        found |= {"limit": read(parts[2]), "percentile": read(parts[3])}
+    return found | ({"scale": read(parts[4])} if parts[4] else {})

@@ -9,10 +9,9 @@
 motion of the link. Units are SI.
 """
 
-from rwmf.coupling.coupled_run import CoupledRun, CouplingEnergy
 from rwmf.coupling.function_host import FunctionHost
-from rwmf.coupling.host import Host
-from rwmf.coupling.loop import couple
+from rwmf.coupling.host import CoupledRun, CouplingEnergy, Host
 from rwmf.coupling.opensees_host import OpenSeesHost
+from rwmf.coupling.pair import couple
 
 __all__ = ["CoupledRun", "CouplingEnergy", "FunctionHost", "Host", "OpenSeesHost", "couple"]

@@ -12,8 +12,6 @@ from rwmf.case import Case
 from rwmf.coupling.host import Reals, Wholes
 from rwmf.errors import InputError
 
-__all__ = ["CoupledWall", "Split", "WallResponse"]
-
 # groups of the frame, which the host owns
 _FRAME = ("frame", "storeys", "yielding", "p_delta")
 
@@ -70,15 +68,6 @@ class CoupledWall:
     and the floors on link springs. Rigid links of a wall that bends move by a linear combination of
     u and p. So displacements, velocities and accelerations of wall and frame agree in each step.
 
-    Parameters
-    ----------
-    case : Case
-        The case.
-    links : int
-        Links of the host.
-    heights : array_like or None
-        As in `couple`.
-
     Attributes
     ----------
     element : Element
@@ -120,18 +109,7 @@ class CoupledWall:
         self._splits = [self._split(is_held) for is_held in (False, True)]
 
     def split(self, is_held: bool) -> Split:
-        """Return the coordinates by their owner.
-
-        Parameters
-        ----------
-        is_held : bool
-            Whether the wall rests on its base.
-
-        Returns
-        -------
-        Split
-            The coordinates.
-        """
+        """Return the coordinates by their owner."""
         return self._splits[is_held]
 
     def _split(self, is_held: bool) -> Split:
@@ -152,20 +130,7 @@ class CoupledWall:
         return Split(index, own, follow, tied, np.arange(first, n))
 
     def element_motion(self, y: Reals) -> tuple[Reals, Reals]:
-        """Return the motion in the coordinates of the element.
-
-        Parameters
-        ----------
-        y : numpy.ndarray, shape (3, n)
-            Coordinates, velocities and accelerations.
-
-        Returns
-        -------
-        x : numpy.ndarray, shape (3, n)
-            Displacements [m], velocities [m/s] and accelerations [m/s2] of the element.
-        by_y : numpy.ndarray, shape (n, n)
-            Derivatives of the displacements by the coordinates [-].
-        """
+        """Return the motion in the coordinates of the element."""
         by_y = np.eye(self.n)
         if not self.modes or self._is_on_springs or not self.element.side:
             return y, by_y
@@ -189,18 +154,6 @@ class CoupledWall:
 
         The derivatives leave out the change of the coordinates' own derivatives, which vanishes
         with the square of a step.
-
-        Parameters
-        ----------
-        y : numpy.ndarray, shape (3, n)
-            Coordinates, velocities and accelerations.
-        ground : float
-            Ground acceleration [m/s2].
-
-        Returns
-        -------
-        WallResponse
-            Forces on the coordinates.
         """
         if self.n == 1:
             u, u_dot, u_ddot = y[:, 0].tolist()
@@ -228,56 +181,17 @@ class CoupledWall:
         grounds: tuple[float, float],
         push: tuple[float, float],
     ) -> ElementEvent | None:
-        """Find the first event of a step, as `Element.next_event`.
-
-        Parameters
-        ----------
-        h : float
-            Length of the step [s].
-        begin, end : numpy.ndarray, shape (3, n)
-            Coordinates, velocities and accelerations at both ends.
-        grounds : tuple of float
-            Ground acceleration at both ends [m/s2].
-        push : tuple of float
-            Force of the frame on u at both ends [N].
-
-        Returns
-        -------
-        ElementEvent or None
-            The event.
-        """
+        """Find the first event of a step, as `Element.next_event`."""
         x_0, x = self.element_motion(begin)[0], self.element_motion(end)[0]
         return self.element.next_event(h, x_0, x, grounds, push=push, has_branches=True)
 
     def deflection(self, y: Reals) -> float:
-        """Return the deflection of the top.
-
-        Parameters
-        ----------
-        y : numpy.ndarray, shape (3, n)
-            Coordinates with their rates.
-
-        Returns
-        -------
-        float
-            The deflection [m].
-        """
+        """Return the deflection of the top."""
         # the deflections of the modes are 1 at the top
         return float(self.element_motion(y)[0][0, 1 : 1 + self.modes].sum())
 
     def push(self, forces: Reals) -> float:
-        """Return the force on u of forces at the links.
-
-        Parameters
-        ----------
-        forces : numpy.ndarray, shape (links,)
-            Forces on the wall [N].
-
-        Returns
-        -------
-        float
-            The force [N].
-        """
+        """Return the force on u of forces at the links."""
         return float(self.links[:, 0] @ forces)
 
 

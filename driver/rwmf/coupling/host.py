@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
-from typing import Protocol
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
+from rwmf._hosts.states import WallEvent
 from rwmf._numbers import to_number, to_shaped
 from rwmf.errors import NumericalError
-
-__all__ = ["Host", "IteratedHost", "Reals", "Wholes", "end_rates"]
 
 Reals = npt.NDArray[np.float64]
 Wholes = npt.NDArray[np.int64]
@@ -148,21 +149,70 @@ class IteratedHost(Host):
 
 
 def end_rates(increment: Reals, h: float, v: Reals, a: Reals) -> tuple[Reals, Reals]:
-    """Return the rates at the end of a step of average acceleration.
-
-    Parameters
-    ----------
-    increment : numpy.ndarray, shape (dofs,)
-        Increments of displacement [m].
-    h : float
-        Length of the step [s].
-    v, a : numpy.ndarray, shape (dofs,)
-        Velocities [m/s] and accelerations [m/s2] at its beginning.
-
-    Returns
-    -------
-    v_end, a_end : numpy.ndarray, shape (dofs,)
-        Velocities [m/s] and accelerations [m/s2] at its end.
-    """
+    """Return the rates at the end of a step of average acceleration."""
     mean = increment / h
     return 2 * mean - v, 4 * (mean - v) / h - a
+
+
+class CouplingEnergy(NamedTuple):
+    """Energies of a coupling.
+
+    Attributes
+    ----------
+    work : float
+        Work of the frame on the wall through the links [J].
+    impacts : float
+        Kinetic energy that wall and frame lose at impacts [J].
+    error : float
+        Work of the differences between the force of the wall and that on the frame [J].
+    """
+
+    work: float
+    impacts: float
+    error: float
+
+
+@dataclass
+class CoupledRun:
+    """Results of a coupling at the ends of its steps.
+
+    Attributes
+    ----------
+    host_mass : float
+        Mass of the frame that moves with the wall, at the highest link [kg]; 0 on link springs.
+    t : list of float
+        Times [s].
+    u, theta, force : list of float
+        Displacement of the highest link [m], rotation of the wall [rad], and force of the wall on
+        the frame [N]. The force is summed over the links by their heights.
+    link_forces : list of numpy.ndarray, each of shape (links,)
+        Force of the wall on the frame at each link [N].
+    deflection : list of float
+        Deflection of the top of a wall that bends [m]; 0 of a rigid wall.
+    events : list of WallEvent
+        Lift-offs, impacts and rest.
+    u_s_max : float
+        Largest displacement of the highest link, also inside steps [m].
+    impacts : int
+        Number of impacts.
+    velocity_factor : float
+        Factor on the velocity of the straight wall at the last impact [-]; NaN without one.
+    energy : CouplingEnergy
+        Energies of the coupling [J].
+    iterations : int
+        Trial steps of the host.
+    """
+
+    host_mass: float
+    velocity_factor: float = math.nan
+    t: list[float] = field(default_factory=list)
+    u: list[float] = field(default_factory=list)
+    theta: list[float] = field(default_factory=list)
+    force: list[float] = field(default_factory=list)
+    link_forces: list[Reals] = field(default_factory=list)
+    deflection: list[float] = field(default_factory=list)
+    events: list[WallEvent] = field(default_factory=list)
+    u_s_max: float = 0.0
+    impacts: int = 0
+    energy: CouplingEnergy = field(default_factory=lambda: CouplingEnergy(0.0, 0.0, 0.0))
+    iterations: int = 0

@@ -17,8 +17,6 @@ from rwmf._numbers import show, to_items, to_whole
 from rwmf.coupling.host import IteratedHost, Reals, Wholes
 from rwmf.errors import InputError, NumericalError
 
-__all__ = ["OpenSeesHost"]
-
 # a residual below this part of the largest force in the first iteration counts as round-off
 _ROUNDING = 1e-6
 _NEVER = -1.0

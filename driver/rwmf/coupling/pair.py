@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rwmf._arguments import case_of, checked
 from rwmf._hosts.states import WallEvent
-from rwmf.coupling.coupled_run import CoupledRun, CouplingEnergy
+from rwmf._numbers import show, to_number
+from rwmf.case import CaseLike
 from rwmf.coupling.coupled_wall import CoupledWall, Split, WallResponse
-from rwmf.coupling.frame import LinkedFrame
-from rwmf.coupling.host import Host, Reals, end_rates
-from rwmf.errors import InputError, NumericalError
-
-__all__ = ["Pair"]
+from rwmf.coupling.function_host import LinkedFrame
+from rwmf.coupling.host import CoupledRun, CouplingEnergy, Host, Reals, end_rates
+from rwmf.errors import InputError, NumericalError, warn
 
 _MOST_ITERATIONS = 30
 # iterations after which the flexibility of the host is computed anew
@@ -50,21 +50,6 @@ class _Step(NamedTuple):
 class Pair:
     """A wall and a frame that step together.
 
-    Parameters
-    ----------
-    wall : CoupledWall
-        The wall.
-    host : Host
-        The frame.
-    ground : callable
-        Ground acceleration [m/s2] at a time [s].
-    dt : float
-        Step [s].
-    weight : float
-        Weight of the wall [N].
-    tolerance : float
-        Difference between the forces of wall and frame, over the weight [-].
-
     Attributes
     ----------
     run : CoupledRun
@@ -97,18 +82,7 @@ class Pair:
         self._note()
 
     def advance(self, t: float) -> None:
-        """Step to a time, with stops at impacts and lift-offs.
-
-        Parameters
-        ----------
-        t : float
-            The time [s].
-
-        Raises
-        ------
-        NumericalError
-            When an iteration does not converge, or the wall overturns.
-        """
+        """Step to a time, with stops at impacts and lift-offs."""
         least = _NOTHING * self._dt
         for _ in range(_MOST_STOPS):
             h = t - self._host.time()
@@ -361,3 +335,66 @@ class Pair:
             return
         self.run.events.append(WallEvent("lift_off", t, 0.0, 0.0))
         self._enter(event.side, begin[1])
+
+
+@checked
+def couple(
+    case: CaseLike,
+    host: Host,
+    ground: Callable[[float], float],
+    dt: float,
+    t_end: float,
+    heights: object = None,
+    tolerance: float = 1e-10,
+) -> CoupledRun:
+    """Step a wall and the frame of a host together.
+
+    Impacts and lift-offs end a step at their instant. At an impact the balance of momentum over
+    the masses of the host changes the velocities (rule ``coupled``), or the factor of the case.
+
+    Parameters
+    ----------
+    case : Case or path
+        Wall with `m_w`, tendon, fuses, `&bending`, impact rule and other effects of an `Element`.
+        Its frame and motion have no effect, but for link springs of `&storeys`.
+    host : Host
+        The frame at rest, for example an `OpenSeesHost` or a `FunctionHost`.
+    ground : callable
+        Ground acceleration [m/s2] at a time [s], the one of the host; linear within a step.
+    dt : float
+        Step [s]. With `&bending`, at most a twentieth of the period of the highest mode.
+    t_end : float
+        End [s].
+    heights : array_like, shape (links,), optional
+        Heights of the links above the base, from the ground up [m], by default those of `&storeys`.
+        Needed for several links. A rigid wall keeps them on a straight line; the highest is the
+        link of the case. A wall that bends has its highest link at 2h.
+    tolerance : float
+        Difference between the forces of wall and frame, over the weight of the wall [-].
+
+    Returns
+    -------
+    CoupledRun
+        Histories, events, maxima and energies.
+
+    Raises
+    ------
+    InputError
+        When the case does not allow an element, or an argument is not acceptable.
+    NumericalError
+        When an iteration does not converge, or the wall overturns.
+    """
+    if not hasattr(host, "links") or not callable(getattr(host, "attempt", None)):
+        raise InputError(f"host = {show(host)}: must be an OpenSeesHost, a FunctionHost or a Host")
+    given = case_of(case)
+    mass = None if given.wall is None else given.wall.get("m_w")
+    if mass is None:
+        raise InputError("case: a coupling needs &wall m_w, the mass of the wall")
+    weight = to_number("m_w", mass) * given.model.g
+    wall = CoupledWall(given, len(host.links), heights)
+    warn(given.kernel.motion_warnings())
+    pair = Pair(wall, host, ground, dt, weight, tolerance)
+    begin = host.time()
+    for number in range(1, math.ceil((t_end - begin) / dt * (1 - 1e-12)) + 1):
+        pair.advance(min(begin + number * dt, t_end))
+    return pair.run

@@ -12,8 +12,6 @@ import numpy as np
 from rwmf.case import Case
 from rwmf.export.si_building import BentWall, Building, Frame, Law, read_building
 
-__all__ = ["opensees_script"]
-
 # angular frequency of the wall on both its corners [rad/s], and the step that resolves it [s]
 _CORNER_RATE = 8000.0
 _STEP_OF_WALL, _STEP_OF_FRAME = 2.5e-5, 2e-4
@@ -44,23 +42,7 @@ import openseespy.opensees as ops
 
 
 def opensees_script(case: Case) -> str:
-    """Write a script for OpenSeesPy.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        A case with a rocking wall, a frame, or both.
-
-    Returns
-    -------
-    str
-        Text of the script: model, analysis, and the largest demands by the names of rwmf.
-
-    Raises
-    ------
-    InputError
-        When the case has an effect that OpenSees lacks: names the group.
-    """
+    """Write a script for OpenSeesPy."""
     return _Script(case, read_building(case)).text()
 
 
@@ -70,15 +52,7 @@ def _shown(x: object) -> str:
 
 
 class _Script:
-    """Lines of a script.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case.
-    building : Building
-        Its numbers.
-    """
+    """Lines of a script."""
 
     def __init__(self, case: Case, building: Building) -> None:
         self.case, self.building = case, building

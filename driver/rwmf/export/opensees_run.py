@@ -18,8 +18,6 @@ from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.errors import InputError, NumericalError
 
-__all__ = ["Demand", "compare_with_opensees", "run_opensees"]
-
 _COMPARED_IMPACTS = 10
 
 
@@ -48,25 +46,7 @@ class Demand:
 
 
 def run_opensees(script: str | os.PathLike[str]) -> dict[str, object]:
-    """Run an exported script.
-
-    Parameters
-    ----------
-    script : path
-        The script.
-
-    Returns
-    -------
-    dict
-        ``peaks`` by the names of rwmf, and times of ``impacts`` [s].
-
-    Raises
-    ------
-    InputError
-        When no Python with openseespy is known.
-    NumericalError
-        When the script stops.
-    """
+    """Run an exported script."""
     python = os.environ.get("RWMF_OPENSEES")
     if not python and importlib.util.find_spec("openseespy"):
         python = sys.executable
@@ -88,20 +68,7 @@ def run_opensees(script: str | os.PathLike[str]) -> dict[str, object]:
 
 
 def compare_with_opensees(case: Case, answer: dict[str, object]) -> list[Demand]:
-    """Simulate a case, and put its demands beside those of OpenSees.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The exported case.
-    answer : dict
-        Answer of `run_opensees`.
-
-    Returns
-    -------
-    list of Demand
-        Peaks, and times of the first ten impacts [s].
-    """
+    """Simulate a case, and put its demands beside those of OpenSees."""
     is_bent = case.bending is not None
     response = simulate(case.replace(output={"reactions": True}), dt=1e-4 if is_bent else 1e-3)
     peaks = dict(answer["peaks"])  # type: ignore[call-overload]

@@ -14,8 +14,6 @@ from rwmf.case import Case
 from rwmf.case.elements import single
 from rwmf.errors import InputError
 
-__all__ = ["BentWall", "Building", "Frame", "Law", "Tendon", "read_building"]
-
 Array = npt.NDArray[np.float64]
 
 # interval at which a record is read, before samples on straight lines are left out [s]
@@ -191,32 +189,21 @@ class Building:
 
 
 def read_building(case: Case) -> Building:
-    """Read a case.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case.
-
-    Returns
-    -------
-    Building
-        Its numbers. A case without masses has those over the wall's.
-
-    Raises
-    ------
-    InputError
-        When the case has an effect that finite elements of OpenSees lack: names the group.
-    """
+    """Read a case."""
     _refuse(case)
     wall, g = case.wall, case.model.g
     m_w = 0.0 if wall is None else _number(wall.get("m_w")) or 1.0
     h, b = (0.0, 0.0) if wall is None else (wall.h, wall.b)
     weight = m_w * g
-    damper = (single("&damper: c_over_m_w", case.damper.c_over_m_w) * m_w, 1.0) if case.damper is not None else (0.0, 1.0)
+    damper = (
+        (single("&damper: c_over_m_w", case.damper.c_over_m_w) * m_w, 1.0)
+        if case.damper is not None
+        else (0.0, 1.0)
+    )
     if case.nl_damper is not None:
         damper = (
-            single("&nl_damper: eta_1", case.nl_damper.eta_1) * weight, case.nl_damper.exponent,
+            single("&nl_damper: eta_1", case.nl_damper.eta_1) * weight,
+            case.nl_damper.exponent,
         )
     fuse = None
     if case.fuse is not None:
@@ -417,7 +404,9 @@ def _tendon(case: Case, weight: float) -> Tendon:
     rupture = math.inf
     if cable.get("rupture_strain") is not None:
         length = _number(cable.get("length")) or 2 * h
-        rupture = single("&cable: rupture_strain", cable.rupture_strain) * length - (first / k if k > 0 else 0.0)
+        rupture = single("&cable: rupture_strain", cable.rupture_strain) * length - (
+            first / k if k > 0 else 0.0
+        )
     return Tendon(
         is_straight=is_straight,
         k=k,

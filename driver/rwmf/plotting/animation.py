@@ -16,7 +16,7 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
 from rwmf.plotting.building import Building, BuildingLines, find_building
-from rwmf.plotting.mode_shapes import mode_shapes
+from rwmf.plotting.levels import mode_shapes
 from rwmf.plotting.style import COLOURS, GREY, INK, PALE, new_figure
 
 if TYPE_CHECKING:
@@ -25,16 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from PIL.Image import Image
 
-__all__ = [
-    "FORMATS",
-    "Scale",
-    "animate",
-    "corners",
-    "ground_displacement",
-    "in_words",
-    "magnification",
-    "scale_of",
-]
 
 Array = npt.NDArray[np.float64]
 
@@ -80,33 +70,7 @@ def animate(
     frames_per_second: int,
     progress: Callable[[int, int], None] | None = None,
 ) -> Scale:
-    """Draw a film of a response.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    dataset : xarray.Dataset
-        Its response, one sample per picture of the film; storeys need ``&output reactions``.
-    path : path
-        File to write; its suffix selects the format.
-    frames_per_second : int
-        Pictures per second.
-    progress : callable, optional
-        Called with the numbers of finished and of all samples.
-
-    Returns
-    -------
-    Scale
-        Magnifications of rotations and drifts, and of the deflection of a wall that bends.
-
-    Raises
-    ------
-    InputError
-        When the format is unknown or its writer is missing.
-    OutputError
-        When the file cannot be written.
-    """
+    """Draw a film of a response."""
     import PIL.Image
 
     kind = _kind_of(path)
@@ -233,22 +197,7 @@ def _encode_mp4(pictures: Iterator[Image], path: Path, name: str, frames_per_sec
 
 
 def scale_of(case: Case, dataset: xr.Dataset, building: Building | None) -> Scale:
-    """Choose the magnifications of a film.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    dataset : xarray.Dataset
-        Its response.
-    building : Building or None
-        Its floors.
-
-    Returns
-    -------
-    Scale
-        A deflection is drawn at least as large as a rotation.
-    """
+    """Choose the magnifications of a film."""
     angles = [] if building is None else [building.angles.ravel()]
     angles += [dataset["theta"].values] if "theta" in dataset else []
     rotation = magnification(np.concatenate(angles))
@@ -284,18 +233,7 @@ def _drawn_sway(case: Case, dataset: xr.Dataset, building: Building, scale: Scal
 
 
 def magnification(theta: Array) -> float:
-    """Return the magnification that makes rotations visible, 1 for large ones.
-
-    Parameters
-    ----------
-    theta : numpy.ndarray, shape (n,)
-        Rotations [rad], or deflections over a height [-].
-
-    Returns
-    -------
-    float
-        1, 2, 5 or 10 times a power of ten [-].
-    """
+    """Return the magnification that makes rotations visible, 1 for large ones."""
     largest = float(np.abs(theta).max(initial=0.0))
     if largest >= _VISIBLE or largest == 0.0:
         return 1.0
@@ -305,20 +243,7 @@ def magnification(theta: Array) -> float:
 
 
 def in_words(case: Case, scale: Scale) -> str:
-    """Describe the magnifications.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    scale : Scale
-        Its magnifications.
-
-    Returns
-    -------
-    str
-        For example 'rotations drawn 10 times'.
-    """
+    """Describe the magnifications."""
     drawn = "rotations" if case.frame is None else "rotations and drifts"
     if case.wall is None:
         drawn = "drifts"
@@ -333,22 +258,7 @@ def _times(factor: float) -> str:
 
 
 def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
-    """Return the corners of the wall, rotated about its base corner or its hinge.
-
-    Parameters
-    ----------
-    h, b : float
-        Half height and half width [m].
-    theta : float
-        Rotation, positive about the right corner [rad].
-    is_pinned : bool
-        True when the wall rotates about the middle of its base.
-
-    Returns
-    -------
-    numpy.ndarray, shape (4, 2)
-        Left bottom, right bottom, right top, left top [m].
-    """
+    """Return the corners of the wall, rotated about its base corner or its hinge."""
     pivot = np.array([0.0 if is_pinned else b if theta > 0 else -b, 0.0])
     sine, cosine = np.sin(theta), np.cos(theta)
     turn = np.array([[cosine, sine], [-sine, cosine]])
@@ -358,20 +268,7 @@ def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
 
 
 def ground_displacement(t: Array, acceleration: Array) -> Array:
-    """Integrate the ground motion twice and remove the line from first to last sample.
-
-    Parameters
-    ----------
-    t : numpy.ndarray, shape (n,)
-        Times [s].
-    acceleration : numpy.ndarray, shape (n,)
-        Ground acceleration [m/s2].
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Displacement [m]; without the correction it would drift.
-    """
+    """Integrate the ground motion twice and remove the line from first to last sample."""
     velocity = _integrate(t, acceleration)
     displacement = _integrate(t, velocity)
     duration = max(t[-1] - t[0], np.finfo(float).tiny)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.case import Case
-from rwmf.case.heights import height_of_frame
+from rwmf.case.grid import height_of_frame
 from rwmf.plotting.levels import levels_of_frame, levels_of_storeys
 from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, INK
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Building", "BuildingLines", "find_building"]
 
 Array = npt.NDArray[np.float64]
 
@@ -62,20 +61,7 @@ class Building:
 
 
 def find_building(case: Case, dataset: xr.Dataset) -> Building | None:
-    """Find the floors of a case.
-
-    Parameters
-    ----------
-    case : Case
-        The case that was simulated.
-    dataset : xarray.Dataset
-        Response over time; storeys need ``&output reactions``.
-
-    Returns
-    -------
-    Building or None
-        Its floors, one for a single degree of freedom; None without a frame.
-    """
+    """Find the floors of a case."""
     if case.frame is None:
         return None
     if case.storeys is None:
@@ -99,19 +85,7 @@ def find_building(case: Case, dataset: xr.Dataset) -> Building | None:
 
 
 class BuildingLines:
-    """Columns, floors, hinges and links of a frame with one bay.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
-    building : Building
-        The frame.
-    feet : numpy.ndarray, shape (2,)
-        Positions of both columns at rest [m].
-    sway : numpy.ndarray, shape (n, times)
-        Displacements of the floors as they are drawn [m].
-    """
+    """Columns, floors, hinges and links of a frame with one bay."""
 
     def __init__(self, ax: Axes, building: Building, feet: Array, sway: Array) -> None:
         self._building, self._feet, self._sway = building, feet, sway
@@ -122,17 +96,7 @@ class BuildingLines:
         (self._links,) = ax.plot([], [], "o-", color=INK, linewidth=0.9, markersize=2.5)
 
     def move(self, i: int, ground: float, face: Array | None) -> None:
-        """Draw the frame at a sample.
-
-        Parameters
-        ----------
-        i : int
-            The sample.
-        ground : float
-            Displacement of the ground [m].
-        face : numpy.ndarray, shape (n, 2), optional
-            Points of the wall face that the links are attached to, evenly from foot to top [m].
-        """
+        """Draw the frame at a sample."""
         building = self._building
         x = ground + np.concatenate(([0.0], self._sway[:, i]))
         z = np.concatenate(([0.0], building.levels))

@@ -20,7 +20,6 @@ from rwmf.quantities import find_numbered
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["checks", "save_checks"]
 
 # longest drawn ratio; larger ones end at an arrow
 _LONGEST = 3.0
@@ -67,20 +66,7 @@ def checks(found: Checks, axes: Axes | Sequence[Axes] | np.ndarray | None = None
 
 
 def save_checks(found: Checks, path: str | os.PathLike[str]) -> None:
-    """Draw checks into a file.
-
-    Parameters
-    ----------
-    found : Checks
-        From `rwmf.checks`.
-    path : str or path
-        File to write.
-
-    Raises
-    ------
-    InputError, OutputError
-        As `rwmf.plotting.image_files.save`, and as `checks`.
-    """
+    """Draw checks into a file."""
     groups = _over_height(found)
     n = len(_bars(found, groups))
     with new_figure(max(0.9 + 0.26 * n, 3.0 if groups else 0.0)) as figure:

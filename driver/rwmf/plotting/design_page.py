@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from rwmf._design.design import Design
 
-__all__ = ["check_format_of_page", "draw_checks", "write"]
 
 _STYLE = (
     "body{font-family:sans-serif;max-width:60em;margin:2em auto}"
@@ -38,41 +37,13 @@ _MARGIN, _LINE = 0.05, 0.0165
 
 
 def check_format_of_page(path: str | None) -> None:
-    """Refuse a page whose format is unknown, before anything is computed.
-
-    Parameters
-    ----------
-    path : str, optional
-        File to write.
-
-    Raises
-    ------
-    InputError
-        When its suffix is neither html nor the format of a figure.
-    """
+    """Refuse a page whose format is unknown, before anything is computed."""
     if path is not None and Path(path).suffix.lower() != ".html":
         check_format(path)
 
 
 def write(found: Design, path: str | os.PathLike[str], commands: Sequence[str] = ()) -> None:
-    """Write the page of a design.
-
-    Parameters
-    ----------
-    found : Design
-        The design.
-    path : str or path
-        File to write, ``.html`` or a format of figures such as ``.pdf``.
-    commands : sequence of str
-        Commands that repeat it.
-
-    Raises
-    ------
-    InputError
-        When the format is unknown.
-    OutputError
-        When the file cannot be written.
-    """
+    """Write the page of a design."""
     if Path(path).suffix.lower() == ".html":
         files.write_bytes(path, readable(_html(found, commands)).encode())
         return
@@ -82,20 +53,7 @@ def write(found: Design, path: str | os.PathLike[str], commands: Sequence[str] =
 
 
 def draw_checks(found: Design, ax: Axes) -> Axes:
-    """Draw the utilisation of all targets: the suite of the design beside the records left out.
-
-    Parameters
-    ----------
-    found : Design
-        The design.
-    ax : matplotlib.axes.Axes
-        Axes to draw into.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
+    """Draw the utilisation of all targets: the suite of the design beside the records left out."""
     n = len(found.checks)
     # the first target on top
     places = np.arange(n, 0, -1)

@@ -12,8 +12,7 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.plotting import response as plot
-from rwmf.plotting.envelope import envelope, has_envelopes
-from rwmf.plotting.profile import demands_of, profile
+from rwmf.plotting.profile import demands_of, envelope, has_envelopes, profile
 from rwmf.plotting.style import make_panels, new_figure, plain
 from rwmf.quantities import names_by_key
 
@@ -22,37 +21,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
     from matplotlib.transforms import BboxBase
 
-__all__ = [
-    "check_format",
-    "check_formats",
-    "save",
-    "save_history",
-    "save_loops",
-    "save_spectrum",
-]
 
 # height of the panel of demands over the height of a building [inch]
 _PROFILE = 2.6
 
 
 def check_format(path: str | os.PathLike[str]) -> str:
-    """Determine the format of a figure from its file's name.
-
-    Parameters
-    ----------
-    path : str or path
-        File to write.
-
-    Returns
-    -------
-    str
-        The format, for example ``'png'``.
-
-    Raises
-    ------
-    InputError
-        When the format is unknown, or when matplotlib is missing.
-    """
+    """Determine the format of a figure from its file's name."""
     try:
         from matplotlib.backend_bases import FigureCanvasBase
     except ModuleNotFoundError:
@@ -65,39 +40,13 @@ def check_format(path: str | os.PathLike[str]) -> str:
 
 
 def check_formats(*paths: str | None) -> None:
-    """Check the file names of figures before a computation.
-
-    Parameters
-    ----------
-    *paths : str, optional
-        Files to write; None for a figure that is not requested.
-
-    Raises
-    ------
-    InputError
-        As `check_format`.
-    """
+    """Check the file names of figures before a computation."""
     for path in filter(None, paths):
         check_format(path)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure; after a failure an earlier file is unchanged.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    path : str or path
-        File; its suffix selects the format.
-
-    Raises
-    ------
-    InputError
-        When the format is unknown.
-    OutputError
-        When the file cannot be written.
-    """
+    """Write a figure; after a failure an earlier file is unchanged."""
     kind = check_format(path)
     _fix_layout(figure)
     # without a date equal figures give equal files
@@ -125,23 +74,7 @@ def _rounded(box: BboxBase) -> tuple[float, float, float, float]:
 def save_history(
     dataset: xr.Dataset, path: str | os.PathLike[str], case: Case | None = None
 ) -> None:
-    """Draw a history into a file, and for storeys also demands and forces over the height.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.simulate`, with a history.
-    path : str or path
-        File to write.
-    case : Case, optional
-        The simulated case, for first yield and limits and the envelopes of the forces in wall and
-        links.
-
-    Raises
-    ------
-    InputError, OutputError
-        As `save`.
-    """
+    """Draw a history into a file, and for storeys also demands and forces over the height."""
     names, demands = plot.panels_of(dataset), demands_of(dataset)
     heights = [0.8 + 1.4 * len(names)]
     heights += [_PROFILE] * bool(demands)
@@ -162,22 +95,7 @@ def save_history(
 
 
 def save_loops(dataset: xr.Dataset, case: Case, path: str | os.PathLike[str]) -> None:
-    """Draw the force-displacement loops of the springs into a file.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.simulate`, with a history.
-    case : Case
-        The simulated case.
-    path : str or path
-        File to write.
-
-    Raises
-    ------
-    InputError, OutputError
-        As `save`, and when the history contains no force of a spring.
-    """
+    """Draw the force-displacement loops of the springs into a file."""
     n = len(loops.group_by_kind(loops.find_loops(dataset, case)))
     with new_figure(3.0) as figure:
         loops.draw(dataset, case, figure.subplots(1, n, squeeze=False)[0])
@@ -190,24 +108,7 @@ def save_spectrum(
     bare: xr.Dataset | None = None,
     title: str = "",
 ) -> None:
-    """Draw a spectrum into a file, one panel per quantity.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.spectrum`.
-    path : str or path
-        File to write.
-    bare : xarray.Dataset, optional
-        Spectrum of the frame without wall, for comparison.
-    title : str
-        Title above the axes.
-
-    Raises
-    ------
-    InputError, OutputError
-        As `save`.
-    """
+    """Draw a spectrum into a file, one panel per quantity."""
     names = list(names_by_key(name for name in dataset.data_vars if name != "status").values())
     with new_figure(3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
         panels = make_panels(figure.subplots(len(names)), len(names))

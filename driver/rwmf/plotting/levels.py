@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,16 +10,73 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.case import Case
-from rwmf.case.heights import height_of_frame
+from rwmf.case.grid import height_of_frame
 from rwmf.plotting.style import LIMIT, YIELD
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Levels", "draw_levels", "levels_of_frame", "levels_of_storeys"]
-
 Array = npt.NDArray[np.float64]
+
+# kappa of a rectangular section [-]
+_SHEAR_FACTOR = 5 / 6
+
+
+def mode_shapes(case: Case, share: npt.ArrayLike) -> Array:
+    """Compute the deflections of the modes of a wall at heights."""
+    x = np.asarray(share, dtype=float)
+    modes = 0 if case.bending is None else int(case.bending.modes)
+    columns = [_shape(number, _shear_flexibility(case), x) for number in range(1, modes + 1)]
+    return np.stack(columns, axis=-1) if columns else np.empty((x.size, 0))
+
+
+def _shear_flexibility(case: Case) -> float:
+    """Return EI/(kappa G A L**2) [-], 0 without shear."""
+    if "nu" not in case.bending:
+        return 0.0
+    # without E the stiffness contains the cracking; the kernel takes 1
+    share = case.bending.cracking if "E" in case.bending.given else 1.0
+    slenderness = float(case.wall.b / case.wall.h)
+    return float(share) * slenderness**2 * (1 + float(case.bending.nu)) / (6 * _SHEAR_FACTOR)
+
+
+def _shape(number: int, epsilon: float, x: Array) -> Array:
+    """Compute one mode; growing exponentials are written from the tip."""
+    c = _wave_number(number, epsilon)
+    a = c / math.sqrt(1 + epsilon * c * c)
+    decay = math.exp(-a)
+    # bending moment and shear vanish at the tip
+    cosine_end, sine_end = (a / c) ** 2 * math.cos(c), c / a * math.sin(c)
+
+    def deflection(at: npt.ArrayLike) -> Array:
+        z = np.asarray(at, dtype=float)
+        found: Array = (
+            (sine_end - cosine_end - decay) * np.exp(a * (z - 1))
+            + (1 + decay * (sine_end + cosine_end)) * np.exp(-a * z)
+            - (1 - decay**2 + 2 * decay * sine_end) * np.cos(c * z)
+            + (c / a) ** 3 * (1 + decay**2 + 2 * decay * cosine_end) * np.sin(c * z)
+        )
+        return found
+
+    shape: Array = deflection(x) / deflection(1.0)
+    return shape
+
+
+def _wave_number(number: int, epsilon: float) -> float:
+    """Find the root of the frequency equation between (number - 1) pi and number pi [-]."""
+    low, high = (number - 1) * math.pi, number * math.pi
+    while low < (c := (low + high) / 2) < high:
+        ratio = math.sqrt(1 + epsilon * c * c)
+        decay = math.exp(-c / ratio)
+        value = (
+            2 * decay
+            + (1 + decay**2) / 2 * math.cos(c) * (ratio**2 + 1 / ratio**2)
+            - (1 - decay**2) / 2 * math.sin(c) * (ratio - 1 / ratio)
+        )
+        low, high = (c, high) if (value > 0) == (number % 2 == 1) else (low, c)
+    return c
+
 
 # a level is drawn up to this multiple of the largest value
 _IN_REACH = 1.5
@@ -41,22 +99,7 @@ class Levels:
 
 
 def levels_of_storeys(dataset: xr.Dataset, case: Case, n: int) -> Levels:
-    """Determine the levels of the storeys' drifts.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Its response, from `rwmf.simulate`.
-    case : Case
-        The simulated case.
-    n : int
-        Number of storeys.
-
-    Returns
-    -------
-    Levels
-        Drifts over the heights of the storeys [-].
-    """
+    """Determine the levels of the storeys' drifts."""
     law = case.yielding
     first: Array = np.empty(0)
     # given, or derived from forces, whichever key the case uses
@@ -70,20 +113,7 @@ def levels_of_storeys(dataset: xr.Dataset, case: Case, n: int) -> Levels:
 
 
 def levels_of_frame(dataset: xr.Dataset, case: Case) -> Levels:
-    """Determine the levels of displacement for a frame with one degree of freedom.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Its response, from `rwmf.simulate`.
-    case : Case
-        The simulated case.
-
-    Returns
-    -------
-    Levels
-        Displacements [m], one value each.
-    """
+    """Determine the levels of displacement for a frame with one degree of freedom."""
     first: Array = np.empty(0)
     if case.yielding is not None:
         first = np.array([float(dataset["u_s_max"]) * _first_share(dataset)])
@@ -107,20 +137,7 @@ def _with_limits(first: Array, case: Case, n: int, height: float) -> Levels:
 
 
 def draw_levels(ax: Axes, levels: Levels, factor: float, unit: str) -> None:
-    """Draw labelled levels on both sides of zero behind the lines of axes.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Axes with the response over time.
-    levels : Levels
-        Its levels; for differing storeys the lowest and the highest. Levels far beyond the response
-        are labelled but not drawn, because the response would look flat.
-    factor : float
-        Ratio of the units of levels and axes.
-    unit : str
-        Unit of the axes.
-    """
+    """Draw labelled levels on both sides of zero behind the lines of axes."""
     from matplotlib.lines import Line2D
 
     lines = []

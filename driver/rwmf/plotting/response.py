@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["PANELS", "history", "members", "panels_of", "spectrum"]
 
 # default panels of `history` from top to bottom; {i} means every floor or storey
 PANELS = (
@@ -136,18 +135,7 @@ def history(
 
 
 def panels_of(dataset: xr.Dataset) -> list[str]:
-    """Return the default panels of `history` for a dataset.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.simulate`, with a history.
-
-    Returns
-    -------
-    list of str
-        Members of `PANELS` in the dataset; the roof is one of the floors where it has these.
-    """
+    """Return the default panels of `history` for a dataset."""
     found = [name for name in PANELS if members(dataset, name)]
     return [name for name in found if name != "u_s" or _FLOORS not in found]
 
@@ -192,20 +180,7 @@ def _mark_end(panels: np.ndarray, dataset: xr.Dataset) -> None:
 
 
 def members(dataset: xr.Dataset, name: str) -> list[str]:
-    """Return the variables of a panel.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.simulate`.
-    name : str
-        Name of a variable, or with ``{i}`` instead of the number of a floor or storey.
-
-    Returns
-    -------
-    list of str
-        Names in the dataset, by number; empty for none.
-    """
+    """Return the variables of a panel."""
     numbered = (name.format(i=i) for i in count(1))
     found = list(takewhile(lambda member: member in dataset, numbered)) if "{i}" in name else [name]
     return [member for member in found if member in dataset]

@@ -9,17 +9,15 @@ import xarray as xr
 
 from rwmf._arguments import checked, dataset_of
 from rwmf._numbers import show, to_array
-from rwmf._risk.hazard import hazard_of
-from rwmf._risk.level_statistics import demand_percentiles
-from rwmf._risk.normal import exceedance
-from rwmf._risk.table import fallen, quantities_of, read_table
+from rwmf._risk.annual import hazard_of
+from rwmf._risk.fits import exceedance
+from rwmf._risk.table import demand_percentiles, fallen, quantities_of, read_table
 from rwmf.errors import InputError
 from rwmf.plotting.style import DOTS, legend_above, make_panels, plain, series, tint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["cloud", "deaggregation", "fragility", "hazard", "ida", "intensity_label"]
 
 # strength of the curves of single records, and of bands
 _FAINT, _BAND = 0.3, 0.25
@@ -315,18 +313,7 @@ def _condition(dataset: xr.Dataset) -> str:
 
 
 def intensity_label(attributes: dict[Any, Any]) -> str:
-    """Return the label of an intensity axis.
-
-    Parameters
-    ----------
-    attributes : dict
-        Attributes of the dataset.
-
-    Returns
-    -------
-    str
-        Symbol of the measure, over g.
-    """
+    """Return the label of an intensity axis."""
     kind, period = (attributes.get(key) for key in ("intensity", "intensity_period_s"))
     if kind is None:
         return "intensity"

@@ -1,41 +1,144 @@
 """Figures of the studies.
 
-``draw_X(dataset, ax)`` draws the ``xarray.Dataset`` of the study X into ``matplotlib`` axes and
+A function draws the ``xarray.Dataset`` of the study of the same name into ``matplotlib`` axes and
 returns these.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import product
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from itertools import product, zip_longest
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import (
+    COLOURS,
+    DOTS,
+    GREY,
+    INK,
     LEVEL,
+    PAPER,
     label_in_large_units,
     label_plainly,
     legend_above,
-    make_panels,
+    legend_beside,
     period_label,
     plain,
     series,
+    tint,
 )
-from rwmf.studies.friction import CABLE, DEMAND
+from rwmf.studies.overturning import SURVIVES
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = [
-    "draw_bands",
-    "draw_equal_response",
-    "draw_friction",
-    "draw_suite",
-    "draw_wall_effect",
-]
+# outcome, lower and upper amplitude
+Region = tuple[int, float, float]
+# opacity of a region's colour
+_REGION = 0.5
+
+
+@checked
+def overturning_map(dataset: xr.Dataset, ax: Axes) -> Axes:
+    """Draw an overturning map: regions by the number of impacts, bisected boundaries as lines.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.studies.overturning_map`.
+    ax : matplotlib.axes.Axes
+        Axes to draw in.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
+    dataset_of(dataset, "rwmf.studies.overturning_map", "omega_over_p", "outcome", "alpha")
+    omegas = dataset["omega_over_p"].values
+    columns = [_regions(dataset, i) for i in range(omegas.size)]
+    for i in range(omegas.size - 1):
+        _draw_between(ax, omegas[i : i + 2], columns[i], columns[i + 1])
+    for outcome in sorted({region[0] for column in columns for region in column}):
+        edge = {"edgecolor": GREY, "linewidth": 0.6}
+        ax.fill_between(
+            [], [], [], label=_outcome_in_words(outcome), **(_region_style(outcome) | edge)
+        )
+    at = dataset["boundary_omega_over_p"], dataset["boundary_amplitude"]
+    ax.plot(*at, **(DOTS | {"markersize": 1.5}), label="bisected boundary")
+    ax.set_xlim(omegas[0], omegas[-1])
+    ax.set_ylim(columns[0][0][1], columns[0][-1][2])
+    ax.set_xlabel(r"pulse frequency $\omega_p/p$")
+    ax.set_ylabel(r"pulse amplitude $a_p/(\alpha g)$")
+    ax.set_title(_scene_in_words(dataset))
+    legend_beside(ax)
+    return ax
+
+
+def _regions(dataset: xr.Dataset, i: int) -> list[Region]:
+    """Return outcome, lower and upper amplitude of the regions at one frequency."""
+    at = np.flatnonzero(
+        dataset["boundary_omega_over_p"].values == dataset["omega_over_p"].values[i]
+    )
+    limits = dataset["boundary_amplitude"].values[at]
+    outcomes = [int(dataset["outcome"].values[i, 0]), *map(int, dataset["above"].values[at])]
+    edges = [*map(float, (dataset["amplitude"][0], *limits, dataset["amplitude"][-1]))]
+    return list(zip(outcomes, edges, edges[1:], strict=False))
+
+
+def _draw_between(
+    ax: Axes,
+    omegas: np.ndarray,
+    left: list[Region],
+    right: list[Region],
+) -> None:
+    """Fill the regions between two frequencies.
+
+    Boundaries between equal regions are joined, and the uppermost region may end at the top of the
+    map. Where a region ends between the frequencies, each frequency represents half of the
+    interval.
+    """
+    pairs = list(zip(left, right, strict=False))
+    leaving = abs(len(left) - len(right))
+    if leaving <= 1 and all(first[0] == second[0] for first, second in pairs):
+        top = left[-1][2]
+        for (_, y_left, _), (_, y_right, _) in pairs[1:]:
+            ax.plot(omegas, [y_left, y_right], color=INK, linewidth=0.9)
+        for region, other in zip_longest(left, right):
+            outcome = (region or other)[0]
+            low, high = zip(*((x or (outcome, top, top))[1:] for x in (region, other)), strict=True)
+            ax.fill_between(omegas, low, high, **_region_style(outcome))
+        return
+    middle = omegas.mean()
+    for ends, column in (((omegas[0], middle), left), ((middle, omegas[1]), right)):
+        for outcome, low_edge, high_edge in column:
+            ax.fill_between(ends, low_edge, high_edge, **_region_style(outcome))
+
+
+def _region_style(outcome: int) -> dict[str, Any]:
+    if outcome == SURVIVES:
+        return {"facecolor": PAPER, "linewidth": 0}
+    # anti-aliased edges would show between the columns of one region
+    colour = tint(COLOURS[outcome % len(COLOURS)], _REGION)
+    return {"facecolor": colour, "linewidth": 0, "antialiased": False}
+
+
+def _outcome_in_words(outcome: int) -> str:
+    if outcome == SURVIVES:
+        return "stays"
+    impacts = {0: "without impact", 1: "after 1 impact"}.get(outcome, f"after {outcome} impacts")
+    return f"overturns {impacts}"
+
+
+def _scene_in_words(dataset: xr.Dataset) -> str:
+    """Describe wall, velocity factor and pulse of a map."""
+    units = {"alpha": r"$\alpha$ = {:.4g} rad", "p": "$p$ = {:.4g} rad/s", "e": "$e$ = {:.4g}"}
+    parts = [form.format(float(dataset[name])) for name, form in units.items() if name in dataset]
+    return ", ".join([*parts, plain(dataset.attrs["pulse"]).replace("_", "-")])
+
 
 _LINES = ("-", "--", ":", "-.")
 _SYMBOLS = {
@@ -48,68 +151,10 @@ _SYMBOLS = {
     "u_s_max": r"$u_{s,\max}$",
     "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
 }
-# opacity of a band, and of the hatching of a band without upper end
-_BAND, _OPEN = 0.25, 0.5
 
 
 @checked
-def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw percentiles of a suite: the median as a line, the outer ones as a band.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.studies.suite_spectra`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
-    dataset_of(dataset, "rwmf.studies.suite_spectra", "percentile")
-    name = next(str(key) for key in dataset if str(key).endswith("_percentiles"))
-    values = dataset[name.removesuffix("_percentiles")]
-    bands = []
-    for label, curve in _curves(dataset[name], ("percentile", "T_s")):
-        low, middle, high = (curve.isel(percentile=k) for k in (0, curve.percentile.size // 2, -1))
-        bands.append((label or "median", low, middle, high))
-    first, last = (float(dataset["percentile"][k]) for k in (0, -1))
-    _draw_bands(ax, bands, f"{first:g} to {last:g} % of {values.sizes['record']} records")
-    _finish(ax, values)
-    return ax
-
-
-@checked
-def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw sensitivity bands: the nominal spectrum within its range.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.studies.sensitivity_bands`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
-    dataset_of(dataset, "rwmf.studies.sensitivity_bands", "lowest", "nominal", "highest")
-    pairs = [_curves(dataset[name], ("T_s",)) for name in ("lowest", "nominal", "highest")]
-    bands = [
-        (label or "nominal", low, nominal, high)
-        for (_, low), (label, nominal), (_, high) in zip(*pairs, strict=True)
-    ]
-    _draw_bands(ax, bands, "range over the uncertain values")
-    _finish(ax, dataset["nominal"])
-    return ax
-
-
-@checked
-def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
+def wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw the ratios of responses with and without the wall; medians over a suite.
 
     Parameters
@@ -152,35 +197,7 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 @checked
-def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
-    """Draw required friction, and cable force or base shear without a cable; suite medians.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `friction_spectra`.
-    axes : sequence of matplotlib.axes.Axes
-        Two axes to draw in.
-
-    Returns
-    -------
-    sequence of matplotlib.axes.Axes
-        The axes.
-    """
-    dataset_of(dataset, "rwmf.studies.friction_spectra", "T_s", DEMAND)
-    panels = make_panels(axes, 2)
-    second = CABLE if CABLE in dataset else "base_shear_max_over_weight"
-    for ax, name in zip(panels, (DEMAND, second), strict=True):
-        values = dataset[name]
-        if "record" in values.dims:
-            values = values.median("record", keep_attrs=True)
-        _draw_lines(ax, values)
-        _finish(ax, dataset[name], from_zero=False)
-    return axes
-
-
-@checked
-def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
+def equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw the amplitudes of pulses that give the same response.
 
     Parameters
@@ -232,44 +249,12 @@ def _text(value: object) -> str:
     return plain(value) if isinstance(value, str) else f"{value:g}"
 
 
-def _draw_lines(ax: Axes, values: xr.DataArray) -> None:
-    curves = _curves(values, ("T_s",))
-    for i, (label, curve) in enumerate(curves):
-        ax.plot(curve["T_s"], curve, label=label or None, **series(i, len(curves)))
-
-
-def _draw_bands(
-    ax: Axes, bands: Sequence[tuple[str, xr.DataArray, xr.DataArray, xr.DataArray]], interval: str
-) -> None:
-    """Draw lines with their bands: label, lower end, line, upper end."""
-    ends = [values.values[np.isfinite(values.values)] for band in bands for values in band[1:]]
-    top = 1.05 * max((float(values.max()) for values in ends if values.size), default=1.0)
-    is_told = False
-    for i, (label, low, middle, high) in enumerate(bands):
-        line_style = series(i, len(bands))
-        x, colour = middle["T_s"], line_style["color"]
-        ax.plot(x, middle, label=label, **line_style)
-        closed = np.isfinite(high.values)
-        ax.fill_between(x, low, high.where(closed), color=colour, alpha=_BAND, linewidth=0,
-                        label=f"{label}: {interval}" if len(bands) > 1 else interval)  # fmt: skip
-        # from the last period with an upper end: the hatched region extends beyond the figure
-        rest = ~closed & np.isfinite(low.values)
-        rest[:-1] |= rest[1:] & closed[:-1]
-        if rest.any():
-            ax.fill_between(x, low, top, where=rest, facecolor="none", edgecolor=colour,
-                            alpha=_OPEN, hatch="///", linewidth=0,
-                            label=None if is_told else "no upper end: overturns")  # fmt: skip
-            is_told = True
-    ax.set_ylim(0, top)
-
-
-def _finish(ax: Axes, values: xr.DataArray, from_zero: bool = True) -> None:
+def _finish(ax: Axes, values: xr.DataArray) -> None:
     ax.set_xlabel(period_label(values["T_s"]))
     unit = label_in_large_units(ax.yaxis, values.attrs.get("units", "1"))
     text = values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})")
     ax.set_ylabel(plain(text))
-    if from_zero:
-        ax.set_ylim(bottom=0)
+    ax.set_ylim(bottom=0)
     ax.margins(x=0)
     if ax.get_legend_handles_labels()[1]:
         legend_above(ax, columns=2)

@@ -24,36 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.typing import RcKeyType
 
-__all__ = [
-    "ALONE",
-    "COLOURS",
-    "DOTS",
-    "FAINT",
-    "GREY",
-    "INK",
-    "LEVEL",
-    "LIMIT",
-    "MARKERS",
-    "NESTED",
-    "PALE",
-    "PAPER",
-    "WIDTH",
-    "YIELD",
-    "Panels",
-    "label_in_large_units",
-    "label_plainly",
-    "legend_above",
-    "legend_below",
-    "legend_beside",
-    "make_panels",
-    "new_figure",
-    "period_label",
-    "plain",
-    "series",
-    "storey",
-    "style",
-    "tint",
-]
 
 # axes of the panels of a figure
 Panels = np.ndarray[tuple[int], np.dtype[np.object_]]
@@ -134,18 +104,7 @@ def style() -> dict[RcKeyType, Any]:
 
 @contextmanager
 def new_figure(height: float) -> Iterator[Figure]:
-    """Make a figure in the package's style, without a screen.
-
-    Parameters
-    ----------
-    height : float
-        Height [inch]; the width is `WIDTH`.
-
-    Yields
-    ------
-    matplotlib.figure.Figure
-        The figure.
-    """
+    """Make a figure in the package's style, without a screen."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -157,21 +116,7 @@ def new_figure(height: float) -> Iterator[Figure]:
 
 
 def series(i: int, n: int) -> dict[str, Any]:
-    """Return the style of one of several lines: colour, dashes and width.
-
-    Parameters
-    ----------
-    i : int
-        Index of the line, from 0.
-    n : int
-        Number of lines.
-
-    Returns
-    -------
-    dict
-        Arguments of ``Axes.plot``. Wide solid lines are below narrow dashed ones, so that
-        coinciding lines remain visible.
-    """
+    """Return the style of one of several lines: colour, dashes and width."""
     step = min(_STEP, (_WIDEST - _NARROWEST) / max(n - 1, 1))
     width = _SINGLE if n < 2 else _NARROWEST + step * (n - 1 - i)
     return {
@@ -183,20 +128,7 @@ def series(i: int, n: int) -> dict[str, Any]:
 
 
 def storey(i: int, n: int) -> dict[str, Any]:
-    """Return the style for the history of a floor or storey: dark at the ground, light at the roof.
-
-    Parameters
-    ----------
-    i : int
-        Index from the ground upwards, from 0.
-    n : int
-        Number of floors or storeys.
-
-    Returns
-    -------
-    dict
-        Arguments of ``Axes.plot``. Dashes would hide vibrations; lightness orders the lines.
-    """
+    """Return the style for a floor or storey: dark at the ground, light at the roof."""
     if n < 2:
         return series(i, n)
     return {"color": _ramp(i / (n - 1)), "linewidth": 1.1 if n <= len(COLOURS) else 0.8}
@@ -211,20 +143,7 @@ def _ramp(share: float) -> str:
 
 
 def tint(colour: str, strength: float) -> tuple[float, float, float]:
-    """Mix a colour with white; unlike transparent areas, adjacent ones show no seam.
-
-    Parameters
-    ----------
-    colour : str
-        One of the colours above.
-    strength : float
-        Fraction of the colour, 0 to 1 [-].
-
-    Returns
-    -------
-    tuple of float
-        Red, green and blue [-].
-    """
+    """Mix a colour with white; unlike transparent areas, adjacent ones show no seam."""
     from matplotlib.colors import to_rgb
 
     red, green, blue = (1 - strength * (1 - part) for part in to_rgb(colour))
@@ -272,13 +191,7 @@ def make_panels(
 
 
 def label_plainly(axis: Axis) -> None:
-    """Label a logarithmic axis of one or two decades with plain numbers.
-
-    Parameters
-    ----------
-    axis : matplotlib.axis.Axis
-        The axis.
-    """
+    """Label a logarithmic axis of one or two decades with plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
@@ -287,20 +200,7 @@ def label_plainly(axis: Axis) -> None:
 
 
 def label_in_large_units(axis: Axis, unit: str) -> str:
-    """Label the axis of a force in kN and that of a stress in MPa; its data stay in N and Pa.
-
-    Parameters
-    ----------
-    axis : matplotlib.axis.Axis
-        The axis.
-    unit : str
-        Unit of its data.
-
-    Returns
-    -------
-    str
-        Unit of its labels.
-    """
+    """Label the axis of a force in kN and that of a stress in MPa; its data stay in N and Pa."""
     from matplotlib.ticker import FuncFormatter
 
     if unit not in _LARGE_UNITS:
@@ -311,34 +211,12 @@ def label_in_large_units(axis: Axis, unit: str) -> str:
 
 
 def plain(text: object) -> str:
-    """Return a text without formulas: matplotlib reads names between dollar signs as mathematics.
-
-    Parameters
-    ----------
-    text : object
-        A name, unit or sentence that a user or a file gives.
-
-    Returns
-    -------
-    str
-        The text as matplotlib shows it literally.
-    """
+    """Return a text without formulas: matplotlib reads text between dollar signs as formulas."""
     return str(text).replace("$", r"\$")
 
 
 def period_label(period: xr.DataArray) -> str:
-    """Return the label of a period axis, with its definition unless it is a single frame's.
-
-    Parameters
-    ----------
-    period : xarray.DataArray
-        The coordinate ``T_s``.
-
-    Returns
-    -------
-    str
-        The label with its unit.
-    """
+    """Return the label of a period axis, with its definition unless it is a single frame's."""
     meaning = plain(period.attrs.get("long_name", AXES["T_s"].meaning))
     if meaning == AXES["T_s"].meaning:
         return "period $T_s$ (s)"
@@ -348,53 +226,19 @@ def period_label(period: xr.DataArray) -> str:
 def legend_beside(
     ax: Axes, title: str | None = None, columns: int = 1, *, is_tight: bool = False
 ) -> None:
-    """Put the legend to the right of the axes, outside the data.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Axes with the lines.
-    title : str, optional
-        Its title.
-    columns : int
-        Columns of the legend.
-    is_tight : bool
-        Use short line samples, for many names.
-    """
+    """Put the legend to the right of the axes, outside the data."""
     words = {"title": title, "ncols": columns} | (_TIGHT if is_tight else {})
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), **words)
 
 
 def legend_above(ax: Axes, columns: int, *, is_tight: bool = False) -> None:
-    """Put the legend above the axes, outside the data.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Axes with the lines.
-    columns : int
-        Columns of the legend.
-    is_tight : bool
-        Use short line samples, for a narrow panel.
-    """
+    """Put the legend above the axes, outside the data."""
     words = {"ncols": columns, "borderpad": 0.2} | (_TIGHT if is_tight else {})
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), **words)
 
 
 def legend_below(figure: Figure, axes: Axes, columns: int = 4, title: str | None = None) -> None:
-    """Put the legend of one of the axes below all of them, outside the data.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    axes : matplotlib.axes.Axes
-        Axes with the lines.
-    columns : int
-        Columns of the legend.
-    title : str, optional
-        Its title.
-    """
+    """Put the legend of one of the axes below all of them, outside the data."""
     handles, labels = axes.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     figure.legend(

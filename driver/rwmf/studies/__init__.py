@@ -1,31 +1,18 @@
 """Engineering studies: each computes a labelled dataset from a case."""
 
-from rwmf._risk.level_statistics import demand_percentiles
-from rwmf.studies.bands import sensitivity_bands
-from rwmf.studies.capacities import annual_frequency, fragility_median
-from rwmf.studies.displacement_design import displacement_based_prestress
-from rwmf.studies.earlier_names import fragility, incremental_dynamic_analysis
-from rwmf.studies.equal_response import equal_response
-from rwmf.studies.friction import friction_spectra
-from rwmf.studies.overturning import overturning_map
-from rwmf.studies.statistics import cumulative_distribution, percentiles
-from rwmf.studies.suite_spectra import suite_spectra
-from rwmf.studies.wall_effect import wall_effect, without_wall
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "annual_frequency",
-    "cumulative_distribution",
-    "demand_percentiles",
-    "displacement_based_prestress",
-    "equal_response",
-    "fragility",
-    "fragility_median",
-    "friction_spectra",
-    "incremental_dynamic_analysis",
-    "overturning_map",
-    "percentiles",
-    "sensitivity_bands",
-    "suite_spectra",
-    "wall_effect",
-    "without_wall",
-]
+from rwmf._renamed import moved
+from rwmf._risk.table import demand_percentiles
+from rwmf.studies.equal_response import equal_response
+from rwmf.studies.overturning import overturning_map
+from rwmf.studies.wall_effect import wall_effect
+
+__all__ = ["demand_percentiles", "equal_response", "overturning_map", "wall_effect"]
+
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        """Name the replacement of an earlier spelling."""
+        raise AttributeError(moved(f"studies.{name}"))

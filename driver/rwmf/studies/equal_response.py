@@ -13,14 +13,11 @@ from rwmf import _library
 from rwmf._arguments import case_of, checked
 from rwmf._progress import Reports, reporting
 from rwmf._sweep.executors import count_threads
-from rwmf._sweep.kept_quantities import QUANTITIES, find_quantity
+from rwmf._sweep.intensity import QUANTITIES, find_quantity
 from rwmf.case import CaseLike
 from rwmf.errors import InputError
 from rwmf.quantities import Quantity, ending_of
-from rwmf.studies.origin import origin_of
-from rwmf.studies.pulse import Pulse
-
-__all__ = ["equal_response"]
+from rwmf.studies.pulse import Pulse, origin_of
 
 # ratio of successive amplitudes in the search
 _GROWTH = 1.25

@@ -23,10 +23,7 @@ from rwmf._sweep.executors import count_threads
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.quantities import ending_of
-from rwmf.studies.origin import origin_of
-from rwmf.studies.pulse import Pulse
-
-__all__ = ["SURVIVES", "Wall", "overturning_map"]
+from rwmf.studies.pulse import Pulse, origin_of
 
 # outcome without overturning; other outcomes are numbers of impacts before overturning
 SURVIVES = -1
@@ -51,23 +48,7 @@ class Wall:
 
     @classmethod
     def of(cls, case: Case) -> Wall:
-        """Return the wall of a case.
-
-        Parameters
-        ----------
-        case : Case
-            A case with a wall.
-
-        Returns
-        -------
-        Wall
-            Its wall.
-
-        Raises
-        ------
-        InputError
-            When the case has no wall, or a hinged one.
-        """
+        """Return the wall of a case."""
         if case.wall is None:
             raise InputError("overturning: the case has no &wall")
         if case.wall.get("base") == "pinned":

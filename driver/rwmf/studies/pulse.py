@@ -6,10 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import Self
 
+from rwmf import _library
+from rwmf._files.names import readable
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["Pulse"]
+
+def origin_of(case: Case) -> dict[str, str]:
+    """Return the attributes that a study shares with a sweep."""
+    return {
+        "version": _library.version(),
+        "case": readable(case.to_namelist()),
+        "warnings": "\n".join(case.kernel.motion_warnings()),
+    }
 
 
 @dataclass(frozen=True)
@@ -32,25 +41,7 @@ class Pulse:
 
     @classmethod
     def of(cls, case: Case, study: str) -> Self:
-        """Return the pulse of a case.
-
-        Parameters
-        ----------
-        case : Case
-            The case.
-        study : str
-            Name of the study, for the message.
-
-        Returns
-        -------
-        Pulse
-            The pulse.
-
-        Raises
-        ------
-        InputError
-            When the motion of the case is not a pulse.
-        """
+        """Return the pulse of a case."""
         motion = case.motion
         if motion is None or motion.kind in ("record", "none"):
             raise InputError(f"{study}: the case needs a pulse in &motion")
@@ -60,27 +51,7 @@ class Pulse:
         return cls(case, t_0, (end - t_0) / T_p)
 
     def resized(self, a_max_g: float, T_p: float, follow: float) -> Case:
-        """Return the case with another amplitude and period.
-
-        Parameters
-        ----------
-        a_max_g : float
-            Largest acceleration over g [-].
-        T_p : float
-            Period [s].
-        follow : float
-            Simulated time after the pulse [s].
-
-        Returns
-        -------
-        Case
-            The case.
-
-        Raises
-        ------
-        InputError
-            When the kernel does not accept it.
-        """
+        """Return the case with another amplitude and period."""
         pulse = {"a_max_g": a_max_g, "v_p": None, "omega_p": None, "T_p": T_p}
         t_end = self.t_0 + self.periods * T_p + follow
         return self.case.replace(

@@ -12,28 +12,9 @@ from rwmf._numbers import show, to_array, to_items
 from rwmf.errors import InputError
 from rwmf.quantities import ENDINGS
 
-__all__ = ["cumulative_distribution", "percentiles", "quantile", "with_overturning"]
-
-# median and one standard deviation of a normal distribution on both sides
-USUAL_PERCENTILES = (16.0, 50.0, 84.0)
-
 
 def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
-    """Return a quantity of a sweep, infinite for overturning or collapse.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.sweep` or `rwmf.spectrum`.
-    name : str
-        The quantity.
-
-    Returns
-    -------
-    xarray.DataArray
-        The quantity, infinite where the wall overturned or the frame collapsed (failures, whatever
-        the earlier peaks), NaN where the run failed.
-    """
+    """Return a quantity of a sweep, infinite for overturning or collapse."""
     status = dataset["status"]
     # a sweep has numbers, a spectrum names
     names = str(status.attrs.get("flag_meanings", "")).split()
@@ -42,46 +23,18 @@ def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray
     return dataset[name].where(~fallen, np.inf).assign_attrs(dataset[name].attrs)
 
 
-def percentiles(
-    values: xr.DataArray, q: Sequence[float] = USUAL_PERCENTILES, dim: str = "record"
-) -> xr.DataArray:
-    """Compute percentiles over a suite by ranks, including overturned runs.
-
-    Parameters
-    ----------
-    values : xarray.DataArray
-        A quantity, see `with_overturning`.
-    q : sequence of float
-        Percentages [%].
-    dim : str
-        Dimension of the suite.
-
-    Returns
-    -------
-    xarray.DataArray
-        Percentiles over ``percentile`` and the other dimensions, without failed runs.
-
-    Raises
-    ------
-    InputError
-        When an argument has the wrong type.
-    """
-    array_of(values, dim)
-    levels = to_array("q", q, least=1)
-    if not ((levels >= 0) & (levels <= 100)).all():
-        raise InputError(f"q = {show(q)}: must be in [0, 100] [%]")
-    found = _of_ranks(values, levels / 100, dim, "percentile")
-    return found.assign_coords(percentile=("percentile", levels.tolist(), {"units": "%"}))
-
-
-def _of_ranks(values: xr.DataArray, shares: np.ndarray, dim: str, name: str) -> xr.DataArray:
-    """Compute quantiles over a dimension; `name` is the dimension of the shares."""
+def _of_ranks(values: xr.DataArray, shares: np.ndarray, dim: str) -> xr.DataArray:
+    """Compute quantiles over a dimension."""
     axis = values.get_axis_num(dim)
     # linear interpolation between a number and infinity would give infinity or NaN
     found = np.nanquantile(values.values, shares, axis=axis, method="inverted_cdf")
     kept = values.isel({dim: 0}, drop=True)
     return xr.DataArray(
-        found, dims=(name, *kept.dims), coords=kept.coords, name=values.name, attrs=values.attrs
+        found,
+        dims=("quantile", *kept.dims),
+        coords=kept.coords,
+        name=values.name,
+        attrs=values.attrs,
     )
 
 
@@ -133,28 +86,6 @@ def quantile(
     if not ((shares >= 0) & (shares <= 1)).all():
         raise InputError(f"q = {show(q)}: must be in [0, 1]")
     values = with_overturning(dataset, quantity)
-    found = _of_ranks(array_of(values, dim), shares, dim, "quantile")
+    found = _of_ranks(array_of(values, dim), shares, dim)
     found = found.assign_coords(quantile=("quantile", shares))
     return found.isel(quantile=0) if is_one else found
-
-
-def cumulative_distribution(values: xr.DataArray, levels: Sequence[float]) -> xr.DataArray:
-    """Compute the fraction of a suite at or below each level.
-
-    Parameters
-    ----------
-    values : xarray.DataArray
-        A quantity over ``record`` and other dimensions, see `with_overturning`.
-    levels : sequence of float
-        Levels in the quantity's unit.
-
-    Returns
-    -------
-    xarray.DataArray
-        Fractions [-] over ``level`` and the other dimensions, without failed runs.
-    """
-    array_of(values, "record")
-    level = xr.DataArray(to_array("levels", levels, least=1), dims="level", attrs=values.attrs)
-    below = (values <= level).sum("record") / values.notnull().sum("record")
-    found = below.assign_coords(level=level).rename("fraction")
-    return found.assign_attrs(units="1", long_name=f"fraction of the suite, {values.name}")

@@ -11,38 +11,15 @@ import xarray as xr
 from rwmf._arguments import case_of, checked
 from rwmf._sweep.axes import keys_of_axis, name_axes
 from rwmf._sweep.computation import SweepOptions, sweep
-from rwmf._sweep.kept_quantities import QUANTITIES, find_quantities
+from rwmf._sweep.intensity import QUANTITIES, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case, CaseLike
-from rwmf.case.frame_alone import groups_of_wall
+from rwmf.case.case import groups_of_wall
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
-__all__ = ["wall_effect", "without_wall"]
-
 # responses of storeys; the first one applies to any frame
 _RESPONSES = ("u_s_max", "storey_drift_max", "floor_acceleration_max_g")
-
-
-def without_wall(case: CaseLike) -> Case:
-    """Return the case of the frame alone.
-
-    Parameters
-    ----------
-    case : Case or path
-        A case with a frame.
-
-    Returns
-    -------
-    Case
-        As `Case.without_wall`.
-
-    Raises
-    ------
-    InputError
-        When the case has no frame.
-    """
-    return case_of(case).without_wall()
 
 
 @checked
@@ -88,14 +65,14 @@ def wall_effect(
     if case.frame is None:
         raise InputError(
             "wall effect: the case has no &frame whose displacement the wall could change. For the "
-            "rotation of a free-standing wall use rwmf spectrum or rwmf study spectra"
+            "rotation of a free-standing wall use rwmf spectrum or rwmf sweep"
         )
     names = tuple(find_quantities(tuple(quantities or _usual_responses(case))))
     of_wall = [name for name in names if QUANTITIES[name].group in groups_of_wall()]
     if of_wall:
         raise InputError(f"wall effect: {of_wall[0]}: the frame alone has no such response")
     both = sweep(case, grid, records, quantities=names, **sweep_options)
-    frame = without_wall(case)
+    frame = case.without_wall()
     joined, free = (item.kernel.axes()["T_s"].value for item in (case, frame))
     # a period in the grid is that of the frame restrained by the wall
     factor = free / joined if free and joined else 1.0

@@ -11,7 +11,6 @@ import pytest
 import rwmf
 import xarray as xr
 from checkout import Runner
-from rwmf import studies
 from scenes import block, coupled
 
 TRUE = {"model": {"formulation": "exact"}, "impact": {"rule": "coupled", "e": None}}
@@ -203,8 +202,6 @@ def test_every_way_in_says_it_once(command: Runner, batch: Runner, tmp_path: Pat
         # a summary and a spectrum
         assert batch(f"{name}.nml").stderr.count("not conserved") == n
         assert command("check", f"{name}.nml").stdout.count(f"warning: {ENERGY}") == n
-        study = command("study", "bands", f"{name}.nml", "--eta", "0,0,1,5", "--T_s", "1,2")
-        assert (study.returncode, study.stderr.count("not conserved")) == (0, n)
 
 
 def test_a_sweep_says_it_once(command: Runner, tmp_path: Path) -> None:
@@ -272,20 +269,10 @@ def test_the_default_rule_with_every_effect(effect: dict[str, dict[str, object]]
 
 
 def test_friction_with_the_default_rule() -> None:
-    found = studies.friction_spectra(without_choices(), {"T_s": [0.6, 1.5], "gamma": [5.0, 100.0]})
+    grid = {"T_s": [0.6, 1.5], "gamma": [5.0, 100.0]}
+    found = rwmf.sweep(without_choices(), grid, quantities="friction_demand_max")
     assert np.isfinite(found.friction_demand_max).all()
     assert found.attrs["warnings"] == ""
-
-
-def test_bands_replace_the_rule_by_what_is_uncertain() -> None:
-    grid = {"T_s": [1.0, 2.0]}
-    case = coupled(solver=SHORT, **TRUE)
-    bands = studies.sensitivity_bands(case, grid, {"e": [0.8, 0.9, 1.0]})
-    nominal = rwmf.sweep(case, grid).u_s_max
-    assert np.array_equal(bands.nominal, nominal)
-    assert (bands.lowest < bands.nominal).all()
-    told = bands.attrs["warnings"].splitlines()
-    assert told == [outside(0.8)]
 
 
 def test_check_notes_what_was_otherwise(command: Runner, tmp_path: Path) -> None:

@@ -63,11 +63,11 @@ def test_a_record_of_somebody_is_kept(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "record.at2"
     path.write_text("mine", encoding="utf-8")
-    assert cli.main(["records", "export", "elcentro", "record.at2"]) == 2
+    assert cli.main(["records", "export", "elcentro", "--out", "record.at2"]) == 2
     with pytest.raises(rwmf.OutputError, match="is there with other content; --force replaces it"):
         records.export("elcentro", path)
     assert path.read_text(encoding="utf-8") == "mine"
-    assert cli.main(["records", "export", "elcentro", "record.at2", "--force"]) == 0
+    assert cli.main(["records", "export", "elcentro", "--out", "record.at2", "--force"]) == 0
     content = path.read_bytes()
     records.export("elcentro", path)
     assert path.read_bytes() == content

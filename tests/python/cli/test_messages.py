@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+import subprocess
 import tomllib
-from importlib import metadata
+from importlib import import_module, metadata
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ import pytest
 import rwmf
 from checkout import ROOT
 from rwmf import _extras, _library, cli
+from rwmf._renamed import NAMES
+from rwmf.cli.command_table import COMMANDS
 from rwmf.errors import InputError
 from rwmf.quantities import QUANTITIES
 from scenes import coupled
@@ -179,8 +182,6 @@ def test_functions_take_a_path(tmp_path: Path) -> None:
         lambda x: rwmf.spectrum(x, T_s=[0.5]),
         lambda x: rwmf.sweep(x, grid),
         lambda x: rwmf.studies.wall_effect(x, grid),
-        lambda x: rwmf.studies.sensitivity_bands(x, grid, {"e": [0.9]}),
-        lambda x: rwmf.studies.friction_spectra(x, grid),
         lambda x: rwmf.studies.overturning_map(x, [5.0], [1.0, 9.0], tolerance=1.0),
         lambda x: rwmf.studies.equal_response(x, [0.5], 0.05, tolerance=0.5),
     ):
@@ -190,3 +191,39 @@ def test_functions_take_a_path(tmp_path: Path) -> None:
             for name in expected.data_vars:
                 if name != "seconds":
                     assert found[name].equals(expected[name]), name
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_has_every_command_and_option(
+    shell: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["--completion", shell]) == 0
+    script = capsys.readouterr().out
+    for name, command in COMMANDS.items():
+        assert name.split()[-1] in script
+        for word in command.words:
+            assert not word.names[0].startswith("--") or word.names[0][2:] in script
+    if shell == "bash":
+        subprocess.run(["bash", "-n"], input=script, text=True, check=True)
+
+
+def test_bash_completes_options_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["--completion", "bash"]) == 0
+    script = capsys.readouterr().out
+    for words, expected in (("rwmf spec", "spectrum"), ("rwmf study wall --ga", "--gamma")):
+        line = f"COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _rwmf"
+        done = subprocess.run(
+            ["bash", "-c", f'{script}\n{line}; echo "${{COMPREPLY[@]}}"'],
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        assert done.stdout.split() == [expected]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_earlier_name_names_the_new_one(name: str) -> None:
+    module, _, last = f"rwmf.{name}".rpartition(".")
+    with pytest.raises(AttributeError, match=re.escape(f"it is now {NAMES[name]}")):
+        getattr(import_module(module), last)
+    if NAMES[name].startswith("rwmf.") and " " not in NAMES[name]:
+        home, _, new = NAMES[name].rpartition(".")
+        assert getattr(import_module(home), new)

@@ -35,7 +35,7 @@ def case_file(tmp_path: Path) -> Path:
 def test_json_and_csv(command: Runner, case_file: Path, tmp_path: Path) -> None:
     """The numbers of both are those of the dataset, bit for bit."""
     table = tmp_path / "curve.csv"
-    words = ("--drifts", "0.01,-0.01", "--steps", "20", "--csv", str(table), "--json")
+    words = ("--drifts", "0.01,-0.01", "--steps", "20", "--out", str(table), "--json")
     found = command("pushover", str(case_file), *words)
     assert found.returncode == 0, found.stderr
     result = json.loads(found.stdout)

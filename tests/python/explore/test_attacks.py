@@ -25,8 +25,7 @@ from rwmf import Case
 from rwmf._explore import server as server_module
 from rwmf._explore import workers as workers_module
 from rwmf._explore.controls import editable
-from rwmf._explore.folder import Folder
-from rwmf._explore.server import PageServer
+from rwmf._explore.server import Folder, PageServer
 from rwmf.quantities import find
 
 INPUTS = ROOT / "inputs"

@@ -8,7 +8,7 @@ import pytest
 import rwmf
 from checkout import ROOT
 from rwmf import Case
-from rwmf._explore.captions import captions_of, compare_with_frame, uplift_acceleration
+from rwmf._explore.model import captions_of, compare_with_frame, uplift_acceleration
 from rwmf._explore.presets import case_of_preset
 from rwmf.quantities import find
 

@@ -514,10 +514,10 @@ def test_command_writes_the_same_bytes_again(
     case = ROOT / "inputs/fig13_elcentro_slender_wall.nml"
     units = [tmp_path / "a.fmu", tmp_path / "b.fmu"]
     for unit in units:
-        assert main(["export", "fmu", str(case), str(unit)]) == 0
+        assert main(["export", str(case), "--out", str(unit)]) == 0
     assert "FMI 3.0 co-simulation, 2 inputs, " in capsys.readouterr().out
     assert units[0].read_bytes() == units[1].read_bytes()
-    assert main(["export", "fmu", str(case), str(units[0]), "--input", "link"]) == 0
+    assert main(["export", str(case), "--out", str(units[0]), "--input", "link"]) == 0
     assert "5 inputs" in capsys.readouterr().out
 
 

@@ -133,7 +133,7 @@ def test_samples_of_a_record_are_those_of_the_file() -> None:
 def test_command_writes_the_script(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, script = tmp_path / "case.nml", tmp_path / "case.py"
     file.write_text("\n".join(x + " /" for x in case_text(CASES["storeys"])), encoding="utf-8")
-    assert main(["export", "opensees", str(file), str(script)]) == 0
+    assert main(["export", str(file), "--out", str(script)]) == 0
     assert str(script) in capsys.readouterr().out
     compile(script.read_text(encoding="utf-8"), "case.py", "exec")
 

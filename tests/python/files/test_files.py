@@ -62,7 +62,7 @@ def test_where_files_go_and_what_goes(writer: Writer, start: Run, tmp_path: Path
     place.mkdir()
     for name in writer.targets:
         (tmp_path / name).symlink_to(f"place/{name}")
-    named = {"rwmf-batch", "--out"} & {*writer.words} and "animate" not in writer.words
+    named = "rwmf-batch" in writer.words or {"run", "--out"} <= {*writer.words}
     dead, others = _make_leftovers(tmp_path if named else place)
     alive = dead.with_name(".rwmf-fedcba9876543210.tmp")
     with alive.open("wb") as file:
@@ -112,7 +112,7 @@ def test_a_device_stays(start: Run, tmp_path: Path) -> None:
         device.write_bytes(b"x")
     except OSError:
         pytest.skip("devices cannot be made here")
-    for words in (["run", "case.nml", "--plot"], ["spectrum", "case.nml", "--csv"]):
+    for words in (["run", "case.nml", "--plot"], ["spectrum", "case.nml", "--out"]):
         found = start([*RWMF, *words, "null.svg"])
         assert found.returncode == 0, found.stderr
         assert device.is_char_device()
@@ -121,7 +121,7 @@ def test_a_device_stays(start: Run, tmp_path: Path) -> None:
 def test_the_standard_output_as_a_file(start: Run, tmp_path: Path) -> None:
     """Later printed text follows the output, in a pipe and in a file."""
     prepare(tmp_path)
-    words = [*RWMF, "spectrum", "case.nml", "--csv"]
+    words = [*RWMF, "spectrum", "case.nml", "--out"]
     found = start([*words, "/dev/stdout"])
     assert found.returncode == 0, found.stderr
     assert found.stdout.startswith("# rwmf")
@@ -138,7 +138,7 @@ def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
     """A file-size limit simulates a full disk: one message, earlier files, no others."""
     for name in writer.targets:
         (tmp_path / name).write_bytes(EARLIER)
-    if "sweep" in writer.words:
+    if "sweep.nml" in writer.words:
         (tmp_path / "out.nc").unlink()
     before = {path.name for path in tmp_path.iterdir()}
 
@@ -223,7 +223,7 @@ def test_the_order_of_a_power_cut(writer: Writer, start: Run, tmp_path: Path) ->
         removed = [i for i, event in enumerate(events) if event[0] == "remove"]
         kept = [i for i in removed if events[i][1].endswith(".journal")]
         assert all(i > synced for i in kept)
-        assert len(kept) == ("sweep" in writer.words)
+        assert len(kept) == ("sweep.nml" in writer.words)
 
 
 def _events(log: Path, folder: Path) -> Iterator[tuple[str, ...]]:
@@ -305,20 +305,20 @@ with files.replacing("x.txt") as stream:
     [
         ["run", "case.nml", "--plot", "in.svg"],
         ["run", "case.nml", "--loops", "in.svg"],
-        ["spectrum", "case.nml", "--csv", "case.nml"],
-        ["spectrum", "case.nml", "--csv", "in.svg"],
+        ["spectrum", "case.nml", "--out", "case.nml"],
+        ["spectrum", "case.nml", "--out", "in.svg"],
         ["spectrum", "case.nml", "--plot", "in.svg"],
-        ["spectrum", "case.nml", "--csv", "motion.txt"],
-        ["spectrum", "case.nml", "--csv", "other/../motion.txt"],
-        ["spectrum", "case.nml", "--csv", "hard.txt"],
-        ["sweep", "sweep.nml", "--file", "case.nml"],
-        ["sweep", "sweep.nml", "--file", "sweep.nml"],
-        ["sweep", "sweep.nml", "--file", "motion.txt"],
-        ["sweep", "sweep.nml", "--file", "sweep.nml", "--restart"],
-        ["merge", "part1.csv", "part1.csv"],
-        ["pushover", "case.nml", "--csv", "case.nml"],
-        ["pushover", "case.nml", "--plot", "two.svg", "--csv", "two.svg"],
-        ["study", "wall", "case.nml", "--file", "case.nml"],
+        ["spectrum", "case.nml", "--out", "motion.txt"],
+        ["spectrum", "case.nml", "--out", "other/../motion.txt"],
+        ["spectrum", "case.nml", "--out", "hard.txt"],
+        ["sweep", "sweep.nml", "--out", "case.nml"],
+        ["sweep", "sweep.nml", "--out", "sweep.nml"],
+        ["sweep", "sweep.nml", "--out", "motion.txt"],
+        ["sweep", "sweep.nml", "--out", "sweep.nml", "--restart"],
+        ["sweep", "--out", "part1.csv", "--merge", "part1.csv"],
+        ["pushover", "case.nml", "--out", "case.nml"],
+        ["pushover", "case.nml", "--plot", "two.svg", "--out", "two.svg"],
+        ["study", "wall", "case.nml", "--out", "case.nml"],
         ["study", "wall", "case.nml", "--plot", "in.svg"],
         ["study", "wall", "case.nml", "--records", "r.txt", "--unit", "g", "--plot", "r.svg"],
         ["cost", "case.nml", "--plot", "in.svg"],
@@ -327,7 +327,7 @@ with files.replacing("x.txt") as stream:
         ["rwmf-batch", "case.nml", "--out", "linked"],
         ["rwmf-batch", "case.nml", "case.summary.csv"],
         ["run", "case.nml", "--plot", "twice.svg", "--loops", "twice.svg"],
-        ["spectrum", "case.nml", "--plot", "twice.svg", "--csv", "./twice.svg"],
+        ["spectrum", "case.nml", "--plot", "twice.svg", "--out", "./twice.svg"],
     ],
     ids=" ".join,
 )
@@ -408,7 +408,7 @@ def test_restart_discards_nothing_but_sweeps(command: Runner, tmp_path: Path, na
             file.attrs["sweep"] = "of another program"
     before = path.read_bytes()
     target = "out.nc" if name.endswith(".journal") else name
-    found = command("sweep", "sweep.nml", "--file", target, "--restart")
+    found = command("sweep", "sweep.nml", "--out", target, "--restart")
     assert found.returncode == 2
     assert "Traceback" not in found.stderr
     assert path.read_bytes() == before
@@ -419,17 +419,17 @@ def test_restart_discards_nothing_but_sweeps(command: Runner, tmp_path: Path, na
 def test_restart_leaves_a_running_sweep_alone(command: Runner, tmp_path: Path) -> None:
     pytest.importorskip("h5netcdf")
     prepare(tmp_path)
-    assert command("sweep", "sweep.nml", "--file", "out.nc").returncode == 0
+    assert command("sweep", "sweep.nml", "--out", "out.nc").returncode == 0
     result = (tmp_path / "out.nc").read_bytes()
     journal = tmp_path / "out.nc.journal"
     with journal.open("wb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        found = command("sweep", "sweep.nml", "--file", "out.nc", "--restart")
+        found = command("sweep", "sweep.nml", "--out", "out.nc", "--restart")
         assert found.returncode == 2
         assert "another process writes it" in found.stderr
         assert os.path.samestat(os.fstat(file.fileno()), journal.stat())
     assert (tmp_path / "out.nc").read_bytes() == result
-    assert command("sweep", "sweep.nml", "--file", "out.nc", "--restart").returncode == 0
+    assert command("sweep", "sweep.nml", "--out", "out.nc", "--restart").returncode == 0
     assert (tmp_path / "out.nc").read_bytes() == result
 
 
@@ -437,7 +437,7 @@ def test_a_journal_beside_its_finished_file_goes(command: Runner, tmp_path: Path
     """A run may be killed between the last two system calls."""
     pytest.importorskip("h5netcdf")
     prepare(tmp_path)
-    words = ("sweep", "sweep.nml", "--file", "out.nc")
+    words = ("sweep", "sweep.nml", "--out", "out.nc")
     journal = tmp_path / "out.nc.journal"
     assert command(*words, "--part", "1/2").returncode == 0
     shutil.copy(tmp_path / "out.nc.part-1-of-2.journal", journal)
@@ -460,7 +460,7 @@ def test_a_planted_journal_is_not_followed(command: Runner, tmp_path: Path) -> N
     prepare(tmp_path)
     (tmp_path / "precious").touch()
     (tmp_path / "out.nc.journal").symlink_to("precious")
-    assert command("sweep", "sweep.nml", "--file", "out.nc").returncode == 2
+    assert command("sweep", "sweep.nml", "--out", "out.nc").returncode == 2
     assert (tmp_path / "precious").stat().st_size == 0
 
 
@@ -472,7 +472,7 @@ def test_another_users_link_in_a_shared_folder(start: Run, tmp_path: Path) -> No
         (tmp_path / name).symlink_to("precious")
         _give_away(tmp_path / name)
     tmp_path.chmod(0o1777)
-    for option, name in (("--csv", "s.csv"), ("--plot", "s.png")):
+    for option, name in (("--out", "s.csv"), ("--plot", "s.png")):
         found = start([*RWMF, "spectrum", "case.nml", option, name])
         assert found.returncode == 2
         assert "another user" in found.stderr

@@ -104,23 +104,23 @@ def _any(path: Path, name: str) -> None:
 
 # words of a command, its file and the check of that file
 EXPORTERS: dict[str, tuple[list[str], str, Callable[[Path, str], None]]] = {
-    "script": (["export", "opensees", "./{n}.open.nml", "./{n}.py"], "{n}.py", _python),
-    "unit": (["export", "fmu", "./{n}.nml", "./{n}.fmu"], "{n}.fmu", _fmu),
+    "script": (["export", "./{n}.open.nml", "--out", "./{n}.py"], "{n}.py", _python),
+    "unit": (["export", "./{n}.nml", "--out", "./{n}.fmu"], "{n}.fmu", _fmu),
     "film": (["animate", "./{n}.nml", "--out", "./{n}.gif", "--fps", "2"], "{n}.gif", _any),
     "figure": (["run", "./{n}.nml", "--plot", "./{n}.svg"], "{n}.svg", _xml),
     "loops": (["run", "./{n}.nml", "--loops", "./{n}.svg"], "{n}.svg", _xml),
     "tables": (["run", "./{n}.nml", "--out", "."], "{n}.summary.csv", _csv),
-    "spectrum": (["spectrum", "./{n}.nml", "--csv", "./{n}.csv"], "{n}.csv", _csv),
-    "curve": (["pushover", "./{n}.nml", "--csv", "./{n}.csv"], "{n}.csv", _csv),
+    "spectrum": (["spectrum", "./{n}.nml", "--out", "./{n}.csv"], "{n}.csv", _csv),
+    "curve": (["pushover", "./{n}.nml", "--out", "./{n}.csv"], "{n}.csv", _csv),
     "facts": (["records", "info", "./{n}.txt", "--unit", "g", "--plot", "./{n}.svg"],
               "{n}.svg", _xml),
-    "runs": (["stripes", "./{n}.nml", *SUITE, "--levels", "0.1", "--file", "./{n}.csv",
+    "runs": (["stripes", "./{n}.nml", *SUITE, "--levels", "0.1", "--out", "./{n}.csv",
               "--plot", "./{n}.svg"], "{n}.csv", _csv),
-    "study": (["study", "spectra", "./{n}.nml", *SUITE, "--T_s", "0.5,1", "--file", "./{n}.nc"],
+    "study": (["study", "wall", "./{n}.nml", *SUITE, "--T_s", "0.5,1", "--out", "./{n}.nc"],
               "{n}.nc", _netcdf),
     "design": (["design", "./{n}.nml", *SUITE, "--vary", "b=1:2", "--target", "u_s_max=9@50",
-                "--cost", "b=1", "--designs", "4", "--report", "./{n}.html"], "{n}.html", _html),
-    "fragility": (["fragility", "./{n}.runs.csv", "--nrml", "./{n}.xml", "--limit", "0.01",
+                "--cost", "b=1", "--designs", "4", "--out", "./{n}.html"], "{n}.html", _html),
+    "fragility": (["fragility", "./{n}.runs.csv", "--out", "./{n}.xml", "--limit", "0.01",
                    "--plot", "./{n}.svg"], "{n}.xml", _nrml),
 }  # fmt: skip
 
@@ -217,7 +217,7 @@ def test_datasets_with_any_name_are_written(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("words", [["fragility", "t.nc", "--limit", "1"],
                                    ["risk", "t.nc", "--hazard", "1e-3,2"],
-                                   ["sweep", "s.nml", "--file", "t.nc"]])  # fmt: skip
+                                   ["sweep", "s.nml", "--out", "t.nc"]])  # fmt: skip
 def test_a_damaged_file_is_an_error_of_input(
     words: list[str], seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

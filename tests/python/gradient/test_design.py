@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import rwmf
 from rwmf.cli import main
-from rwmf.studies import displacement_based_prestress
 from scenes import bare_frame, coupled
 
 _T = np.arange(0, 8, 0.02)
@@ -138,20 +137,6 @@ def test_refused_arguments(changes: dict[str, object], message: str) -> None:
         rwmf.design(coupled(), **(usual | {"records": RECORDS} | changes))
 
 
-def test_first_guess_balances_the_forces() -> None:
-    """Frame and wall together carry the force of the linear oscillator."""
-    case = coupled(frame={"T_s": 3.0})
-    found = displacement_based_prestress(case, 0.1, RECORDS)
-    eta_0, force = found["eta_0"].item(), found["force_over_m_w_g"].item()
-    wall = ((1 + eta_0) * 0.5 - 0.1 / 2) / 4.0
-    assert eta_0 > 0
-    assert wall + found["frame_force_over_m_w_g"].item() == pytest.approx(force)
-    softer = displacement_based_prestress(case, 0.2, RECORDS)
-    assert softer["effective_period"] > found["effective_period"]
-    with pytest.raises(rwmf.InputError, match="at most"):
-        displacement_based_prestress(case, 50.0, RECORDS)
-
-
 def test_command_and_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "case.nml"
     coupled(solver={"t_end": 4.0}).to_namelist(path)
@@ -160,7 +145,7 @@ def test_command_and_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     pages = [tmp_path / "design.html", tmp_path / "design.pdf"]
     found = {}
     for page in pages:
-        assert main([*words, "--report", str(page), "--json"]) == 0
+        assert main([*words, "--out", str(page), "--json"]) == 0
         found = json.loads(capsys.readouterr().out)
     assert found["is_feasible"]
     assert pages[1].read_bytes().startswith(b"%PDF")

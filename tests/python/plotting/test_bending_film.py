@@ -14,7 +14,7 @@ pytest.importorskip("matplotlib")
 from rwmf import cli
 from rwmf.plotting.animation import _stage, in_words, scale_of
 from rwmf.plotting.building import find_building
-from rwmf.plotting.mode_shapes import mode_shapes
+from rwmf.plotting.levels import mode_shapes
 from rwmf.plotting.style import new_figure
 
 COUPLINGS = ("full", "reduced", "every_floor", "springs", "single", "none")

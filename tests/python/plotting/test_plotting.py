@@ -89,7 +89,7 @@ def test_regions_of_a_map_fill_it() -> None:
         {"pulse": "one_sine"},
     )
     with new_figure(3.0) as figure:
-        ax = rwmf.plot.draw_overturning(dataset, figure.subplots())
+        ax = rwmf.plot.overturning_map(dataset, figure.subplots())
         areas = _areas(ax)
         assert ax.get_title(loc="left") == r"$\alpha$ = 0.25 rad, $p$ = 1.9 rad/s, one-sine"
     assert len(areas) == 3
@@ -104,19 +104,6 @@ def test_a_map_says_its_wall_and_its_pulse() -> None:
     found = rwmf.studies.overturning_map(case, [3.0], [0.5, 1.0], tolerance=0.1)
     assert float(found["e"]) == float(rwmf.simulate(case)["e"])
     assert found.attrs["pulse"] == "ricker"
-
-
-def test_bands_without_upper_end_reach_the_top() -> None:
-    T_s = np.array([0.5, 1.0, 1.5, 2.0])
-    values = {"lowest": [0.1] * 4, "nominal": [0.2] * 4, "highest": [0.3, 0.4, np.inf, np.inf]}
-    dataset = xr.Dataset({name: ("T_s", row) for name, row in values.items()}, {"T_s": T_s})
-    with new_figure(3.0) as figure:
-        ax = rwmf.plot.draw_bands(dataset, figure.subplots())
-        labels = [text.get_text() for text in ax.get_legend().get_texts()]
-        assert labels == ["nominal", "range over the uncertain values", "no upper end: overturns"]
-        x, y = ax.collections[1].get_paths()[0].vertices.T
-        # from the last period with an upper end on
-        assert (x.min(), x.max(), y.max()) == (1.0, 2.0, ax.get_ylim()[1])
 
 
 def test_both_forms_lie_inside_of_the_same_axes(
@@ -149,7 +136,7 @@ def test_panels_are_as_many_as_axes() -> None:
 def test_a_spectrum_with_a_wall_is_not_the_frame_alone() -> None:
     case = rwmf.Case.from_namelist(ROOT / "inputs" / "fig12_one_sine.nml")
     both = rwmf.spectrum(case, T_s=[0.5, 1.0], gamma=5.0, quantities=["u_s_max", "impacts"])
-    alone = rwmf.spectrum(rwmf.studies.without_wall(case), T_s=[0.5, 1.0])
+    alone = rwmf.spectrum(case.without_wall(), T_s=[0.5, 1.0])
     for bare, name in ((both, "u_s_max"), (alone, "impacts")):
         with pytest.raises(rwmf.InputError, match=f"bare: .* alone, with {name} over T_s"):
             rwmf.plot.spectrum(both, bare=bare, quantities=name)
@@ -176,5 +163,5 @@ def test_an_acceleration_has_its_unit_in_the_label() -> None:
         quantities="floor_acceleration_max_g",
     )  # fmt: skip
     with new_figure(6.0) as figure:
-        ax = rwmf.plot.draw_equal_response(found, figure.subplots())
+        ax = rwmf.plot.equal_response(found, figure.subplots())
         assert ax.get_ylabel().endswith("floor acceleration = 1 g")

@@ -73,19 +73,7 @@ def _spectrum(case: rwmf.Case, figure: Figure) -> None:
 def _wall_effect(case: rwmf.Case, figure: Figure) -> None:
     if case.frame is not None and case.wall is not None:
         found = rwmf.studies.wall_effect(case, _own_period(case))
-        rwmf.plot.draw_wall_effect(found, figure.subplots())
-
-
-def _friction(case: rwmf.Case, figure: Figure) -> None:
-    if case.wall is not None and case.wall.base == "rocking":
-        found = rwmf.studies.friction_spectra(case, _own_period(case))
-        rwmf.plot.draw_friction(found, figure.subplots(1, 2))
-
-
-def _bands(case: rwmf.Case, figure: Figure) -> None:
-    if case.frame is not None:
-        found = rwmf.studies.sensitivity_bands(case, _own_period(case), {"xi_s": [0.02, 0.05]})
-        rwmf.plot.draw_bands(found, figure.subplots())
+        rwmf.plot.wall_effect(found, figure.subplots())
 
 
 def _motion(size: float = 3.0) -> rwmf.Motion:
@@ -94,34 +82,27 @@ def _motion(size: float = 3.0) -> rwmf.Motion:
     return rwmf.Motion(samples, dt=0.02, unit="m/s2", name=f"{size:g}")
 
 
-def _suite(case: rwmf.Case, figure: Figure) -> None:
-    if "T_s" in case.kernel.axes():
-        found = rwmf.studies.suite_spectra(case, _own_period(case), [_motion()])
-        rwmf.plot.draw_suite(found, figure.subplots())
-
-
 def _fragility(case: rwmf.Case, figure: Figure) -> None:
     if "T_s" in case.kernel.axes():
         quantity = find(case.kernel.default_quantity()).name
         records = [_motion(), _motion(-2.0)]
-        levels = [0.1, 0.2, 0.4]
-        found = rwmf.studies.incremental_dynamic_analysis(case, levels, records)
+        found = rwmf.stripes(case, records, [0.1, 0.2, 0.4], quantity)
         # mirrored records have equal responses: round-off would decide at the median itself
-        above = 1.1 * float(found[quantity].isel(scale=1).median())
-        rwmf.plot.draw_fragility(rwmf.studies.fragility(found, above), figure.subplots())
+        above = 1.1 * float(found[quantity].median())
+        rwmf.plot.fragility(rwmf.fragility(found, above, resamples=0), figure.subplots())
 
 
 def _equal_response(case: rwmf.Case, figure: Figure) -> None:
     if "T_s" in case.kernel.axes():
         target = 0.02 if case.frame is not None else 0.1
         found = rwmf.studies.equal_response(case, [0.5, 1.0], target, tolerance=1e-4)
-        rwmf.plot.draw_equal_response(found, figure.subplots())
+        rwmf.plot.equal_response(found, figure.subplots())
 
 
 def _overturning(case: rwmf.Case, figure: Figure) -> None:
     if case.frame is None:
         found = rwmf.studies.overturning_map(case, [5.0, 6.0], [1.0, 9.0], tolerance=0.1)
-        rwmf.plot.draw_overturning(found, figure.subplots())
+        rwmf.plot.overturning_map(found, figure.subplots())
 
 
 def _explorer(case: rwmf.Case, figure: Figure) -> None:
@@ -151,7 +132,6 @@ def _explorer(case: rwmf.Case, figure: Figure) -> None:
 
 
 DRAWINGS = (
-    _suite,
     _fragility,
     _equal_response,
     _overturning,
@@ -162,8 +142,6 @@ DRAWINGS = (
     _film,
     _spectrum,
     _wall_effect,
-    _friction,
-    _bands,
 )
 
 
@@ -232,7 +210,8 @@ def test_prestress_in_newtons_follows_every_axis() -> None:
     del ratios
     stress = float(units.cable.initial_stress)
     grid = {"T_s": [0.8], "initial_stress": [0.5 * stress, stress], "b": [1.8, 2.0]}
-    found = rwmf.studies.friction_spectra(units, grid)["cable_force_max_over_m_w_g"].squeeze()
+    name = "tendon_force_max_over_m_w_g"
+    found = rwmf.sweep(units, grid, quantities=name)[name].squeeze()
     for i, share in enumerate((0.5, 1.0)):
         for k, b in enumerate((1.8, 2.0)):
             changed = units.replace(

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 import rwmf
-from rwmf import studies
 from rwmf.errors import InputError
 from scenes import coupled
 
@@ -232,7 +231,7 @@ def test_levels_are_intensities_for_every_design(kind: str) -> None:
     ]
     records = rwmf.find_records([_noise(1), _noise(2)])
     analyses = [
-        studies.incremental_dynamic_analysis(case, [0.3, 0.5], records, intensity=kind, **options)
+        rwmf.sweep(case, {"scale": [0.3, 0.5]}, records, intensity=kind, **options)
         for case in designs
     ]
     formats = [list(item["record_format"].values) for item in analyses]
@@ -245,8 +244,13 @@ def test_levels_are_intensities_for_every_design(kind: str) -> None:
     assert rwmf.intensity(one, kind, **options) == pytest.approx(unit, rel=1e-12)
     # the run at level 0.5 has the factor of an intensity of 0.5
     factor = own * 0.5 ** (1 / _POWERS[kind])
-    peak = studies.incremental_dynamic_analysis(
-        designs[2], [0.5], records[:1], intensity=kind, **options
+    peak = rwmf.sweep(
+        designs[2],
+        {"scale": [0.5]},
+        records[:1],
+        quantities="theta_max_over_alpha",
+        intensity=kind,
+        **options,
     )["theta_max_over_alpha"]
     case = designs[2].replace(motion=records[0].array).replace(motion={"scale": factor})
     run = rwmf.simulate(case.replace(solver={"t_end": None}), dt=0.01)

@@ -2,8 +2,7 @@
 
 The headers are those of published records, shortened, and the samples are made up. K-NET is AKT013
 of 11 August 1996 from the tests of obspy. The others are from the tests of gmprocess: ESM HI.ARS1
-of 28 July 2019, COSMOS AK.BMR of 30 November 2018, CGS 89146 of 13 February 2012. For whole records
-see bench/record_files.py.
+of 28 July 2019, COSMOS AK.BMR of 30 November 2018, CGS 89146 of 13 February 2012.
 """
 
 from __future__ import annotations
@@ -360,11 +359,14 @@ def test_channels_and_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str
         records.read(path)
     up = records.read(path, channel=3)
     out = tmp_path / "up.txt"
-    assert cli.main(["records", "convert", str(path), str(out), "--channel", "3"]) == 0
+    assert cli.main(["records", "convert", str(path), "--out", str(out), "--channel", "3"]) == 0
     printed = capsys.readouterr().out
     assert f"unit = 'g', dt = {up.dt!r} /" in printed
     same = records.read(out, unit="g", dt=up.dt)
     assert np.array_equal(same.values, up.values)
-    assert cli.main(["records", "convert", str(path), str(out), "--channel", "3"]) == 2
+    assert cli.main(["records", "convert", str(path), "--out", str(out), "--channel", "3"]) == 2
     assert "is there already; --force replaces it" in capsys.readouterr().err
-    assert cli.main(["records", "convert", str(path), str(path), "--channel", "3", "--force"]) == 2
+    assert (
+        cli.main(["records", "convert", str(path), "--out", str(path), "--channel", "3", "--force"])
+        == 2
+    )

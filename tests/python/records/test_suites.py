@@ -433,7 +433,7 @@ def test_a_sequence_of_different_files(tmp_path: Path) -> None:
         records.sequence(slow, fast, 0.01)
     out = tmp_path / "sequence.txt"
     words = ["records", "join", str(_at2(tmp_path / "a.AT2", 1)), str(_at2(tmp_path / "b.AT2", 2))]
-    assert cli.main([*words, str(out), "--pause", "4", "--factors", "1,0.5"]) == 0
+    assert cli.main([*words, "--out", str(out), "--pause", "4", "--factors", "1,0.5"]) == 0
     joined = records.sequence(_motion(1), _motion(2), 4.0, (1.0, 0.5))
     assert np.array_equal(records.read(out, unit="g", dt=_DT).values, joined.values)
 

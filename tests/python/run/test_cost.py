@@ -189,7 +189,7 @@ def test_of_a_demand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     path = tmp_path / "pulse.nml"
     path.write_text(PULSE, encoding="utf-8")
     key = "floor_acceleration_max_g"
-    assert cli.main(["cost", str(path), "--quantity", key, "--json"]) == 0
+    assert cli.main(["cost", str(path), "--quantities", key, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     reference = found["reference"]
     assert reference["peak"] == key

@@ -14,7 +14,7 @@ from checkout import ROOT
 from random_cases import random_cases
 from rwmf import _simulation as simulation
 from rwmf import quantities
-from rwmf._sweep.kept_quantities import QUANTITIES as SWEPT
+from rwmf._sweep.intensity import QUANTITIES as SWEPT
 from rwmf.case.namelist import compose
 from rwmf.cli.spectrum import _spectrum_object
 from rwmf.quantities import QUANTITIES

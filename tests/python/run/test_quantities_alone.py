@@ -13,7 +13,7 @@ from rwmf.quantities import QUANTITIES, find
 
 # 2 by method fast, 9 without a wall, 12 by all programs, 19 and 22 with storeys that yield
 _QUICK = (2, 9, 12, 19, 22)
-# those that take longest are in bench/quantities_alone.py only
+# without those that take longest
 _MORE = (0, 1, 3, 4, 5, 6, 7, 11, 13, *range(15, 19), 20, 23, *range(25, 30))
 
 

@@ -86,7 +86,7 @@ def test_spectrum(bare: bool, tmp_path: Path, batch: Runner, command: Runner) ->
         coupled(spectrum=grid | {"gamma": [5.0, 100.0], "b": [0.5, 1.0]}).to_namelist(path)
     assert batch(path).returncode == 0
     _, rows = read_table(tmp_path / "scene.spectrum.csv")
-    ours = command("spectrum", path, "--json", "--csv", "ours.csv", "--threads", "2")
+    ours = command("spectrum", path, "--json", "--out", "ours.csv", "--threads", "2")
     shown = json.loads(ours.stdout)
     written = np.array([float(row["u_s_max_m"]) for row in rows])
     assert np.array_equal(np.ravel(shown["u_s_max_m"]), written)

@@ -82,8 +82,8 @@ def test_labels_and_files(folder: Path, tmp_path: Path, capsys: pytest.CaptureFi
     groups = pairs.joined(next(item for item in pairs.EFFECTS if item.name == "`&yielding`"))
     groups |= {"output": None, "spectrum": {"T_s": list(_PERIODS), "quantities": ("ductility",)}}
     path.write_text(compose({name: keys for name, keys in groups.items() if keys is not None}))
-    words = ["spectrum", str(path), "--quantity", "ductility", "impacts"]
-    files = ["--csv", str(tmp_path / "a.csv"), "--plot", str(tmp_path / "a.svg")]
+    words = ["spectrum", str(path), "--quantities", "ductility", "impacts"]
+    files = ["--out", str(tmp_path / "a.csv"), "--plot", str(tmp_path / "a.svg")]
     assert main([*words, "--json", *files]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert {"ductility", "impacts", "status"} <= set(shown)

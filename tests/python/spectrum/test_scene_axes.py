@@ -185,7 +185,7 @@ def test_what_axes_are_called(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert "# axis T_s_s: 2 pi/p of the block" in text
     assert "\nb_m,T_s_s,theta_max_over_alpha,impacts,status\n" in text
     parts = [f"case.part-{k}-of-2.spectrum.csv" for k in (1, 2)]
-    assert cli.main(["merge", "joined.csv", *parts]) == 0
+    assert cli.main(["sweep", "--out", "joined.csv", "--merge", *parts]) == 0
     assert Path("joined.csv").read_bytes() == Path("case.spectrum.csv").read_bytes()
 
 

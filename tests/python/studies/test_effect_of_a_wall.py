@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from dimensional import in_both
 from rwmf import cli, studies
 from rwmf.errors import InputError
 from scenes import coupled
@@ -41,7 +38,7 @@ def test_storeys_are_compared_in_drift_and_acceleration() -> None:
     assert found.attrs["quantities"].split() == RESPONSES
     wanted = {"reactions": True}
     both = rwmf.simulate(case.replace(output=wanted))
-    alone = rwmf.simulate(studies.without_wall(case).replace(output=wanted))
+    alone = rwmf.simulate(case.without_wall().replace(output=wanted))
     ratios = [float(found[f"{name}_ratio"].squeeze()) for name in RESPONSES]
     for name, ratio in zip(RESPONSES, ratios, strict=True):
         assert ratio == pytest.approx(float(both[name] / alone[name]), rel=1e-4), name
@@ -70,19 +67,19 @@ def test_the_command_gives_all_and_no_verdict(
     plt = pytest.importorskip("matplotlib.pyplot")
     monkeypatch.chdir(str(tmp_path))
     _storeys().to_namelist("case.nml")
-    words = ["study", "wall", "case.nml", "--T_s", "0.3,0.5", "--file", "w.nc", "--plot", "w.svg"]
+    words = ["study", "wall", "case.nml", "--T_s", "0.3,0.5", "--out", "w.nc", "--plot", "w.svg"]
     assert cli.main(words) == 0
     out = capsys.readouterr().out
     assert "written: w.nc\nwritten: w.svg\n" in out
     assert all(f"  {name}: " in out for name in RESPONSES)
     with xr.open_dataset("w.nc", engine="h5netcdf") as found:
-        ax = rwmf.plot.draw_wall_effect(found.load(), plt.figure().subplots())
+        ax = rwmf.plot.wall_effect(found.load(), plt.figure().subplots())
         names = [f"{name}_ratio" for name in RESPONSES]
         long = [line for line in ax.lines if len(line.get_xdata()) == 2]
         curves = [line for line in long if not str(line.get_label()).startswith("_")]
         for line, name in zip(curves, names, strict=True):
             assert np.array_equal(line.get_ydata(), found[name].squeeze())
-    words = ["study", "wall", "case.nml", "--T_s", "0.3", "--quantity", "roof_drift_max"]
+    words = ["study", "wall", "case.nml", "--T_s", "0.3", "--quantities", "roof_drift_max"]
     assert cli.main(words) == 0
     assert "  roof_drift_max: " in capsys.readouterr().out
 
@@ -90,44 +87,20 @@ def test_the_command_gives_all_and_no_verdict(
 @pytest.mark.parametrize(
     "call",
     [
-        lambda case, how: studies.sensitivity_bands(case, {"T_s": [0.5]}, {"e": [0.9]}, **how),
-        lambda case, how: studies.suite_spectra(case, {"T_s": [0.5]}, [_quake()], **how),
         lambda case, how: studies.equal_response(case, [0.5], 0.1, tolerance=0.5, **how),
-        lambda case, how: studies.incremental_dynamic_analysis(case, [0.1], [_quake()], **how),
+        lambda case, how: rwmf.stripes(case, [_quake()], [0.1], **how),
     ],
-    ids=["bands", "suite", "equal", "ida"],
+    ids=["equal", "stripes"],
 )
 def test_quantities_is_the_name_everywhere(call: object) -> None:
-    """The old name of the study works for one version and warns."""
+    """One text or a list; the singular is refused with the new name."""
     case = coupled(solver={"t_end": 0.5, "rtol": 1e-4})
     name = "theta_max_over_alpha"
     expected = call(case, {"quantities": name})  # type: ignore[operator]
     assert expected.identical(call(case, {"quantities": [name]}))  # type: ignore[operator]
-    with pytest.warns(DeprecationWarning, match="quantity is now quantities"):
-        assert expected.identical(call(case, {"quantity": name}))  # type: ignore[operator]
+    with pytest.raises(TypeError, match="quantity is now quantities"):
+        call(case, {"quantity": name})  # type: ignore[operator]
 
 
 def _quake() -> rwmf.Motion:
     return rwmf.Motion(np.sin(np.arange(60) * 0.3), dt=0.02, unit="m/s2", name="quake")
-
-
-def test_bands_of_strands(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ratios take the place of strands; a stress that is uncertain stays a stress."""
-    pytest.importorskip("h5netcdf")
-    ratios, units = in_both("yielding")
-    grid = {"T_s": [0.8]}
-    for uncertain in ({"eta": [(0.0, 0.0), (1.0, 5.0)]}, {"e": [0.9]}):
-        found = [studies.sensitivity_bands(case, grid, uncertain) for case in (ratios, units)]
-        for name in ("lowest", "highest", "nominal"):
-            values = [item[name].squeeze() for item in found]
-            np.testing.assert_allclose(values[1], values[0], rtol=1e-6)
-    monkeypatch.chdir(str(tmp_path))
-    units.to_namelist("case.nml")
-    words = ["study", "bands", "case.nml", "--T_s", "0.8", "--file", "b.nc"]
-    assert cli.main(words) == 0
-    stress = float(units.cable.initial_stress)
-    shares = {"cable.initial_stress": [share * stress for share in (0.7, 0.85, 1.0)]}
-    expected = studies.sensitivity_bands(units, grid, shares)
-    with xr.open_dataset("b.nc", engine="h5netcdf") as found_by_command:
-        assert found_by_command["lowest"].equals(expected["lowest"])
-        assert math.isfinite(float(found_by_command["highest"].max()))

@@ -60,24 +60,12 @@ def test_storeys_in_all_studies(coupling: str, suite: tuple[RecordFile, ...]) ->
     grid = {"T_s": [axes["T_s"].value, 0.9]}
     runs = [rwmf.simulate(_under(case, record)) for record in suite]
     peaks = [float(run["u_s_max"]) for run in runs]
-    spectra = studies.suite_spectra(case, grid, suite)["u_s_max"]
-    np.testing.assert_array_equal(spectra.isel(T_s=0).squeeze(), peaks)
     effect = studies.wall_effect(case, grid, suite)
     np.testing.assert_array_equal(effect["u_s_max"].isel(T_s=0).squeeze(), peaks)
     alone = [
-        float(rwmf.simulate(_under(studies.without_wall(case), record))["u_s_max"])
-        for record in suite
+        float(rwmf.simulate(_under(case.without_wall(), record))["u_s_max"]) for record in suite
     ]
     np.testing.assert_allclose(effect["u_s_max_alone"].isel(T_s=0), alone, rtol=1e-9)
-    friction = studies.friction_spectra(case, grid, suite)
-    run = rwmf.simulate(_under(case, suite[0]).replace(output={"reactions": True}))
-    demand = friction["friction_demand_max"].isel(record=0, T_s=0).squeeze()
-    assert float(demand) == float(run["friction_demand_max"])
-    bands = studies.sensitivity_bands(case, grid, {"xi_s": [0.02, 0.08]})
-    expected = [
-        float(rwmf.simulate(case.replace(frame={"xi_s": xi}))["u_s_max"]) for xi in (0.02, 0.08)
-    ]
-    assert float(bands["lowest"].isel(T_s=0).squeeze()) == min(expected)
     found = studies.equal_response(case, [0.8], 0.02)
     motion = {"a_max_g": float(found["a_max_g"][0]), "omega_p": None, "T_p": 0.8}
     t_end = 0.8 + 10 * axes["T_s"].value
@@ -94,7 +82,7 @@ def test_wall_effect_compares_the_same_frame(coupling: str) -> None:
     softer = [k * (own / 0.9) ** 2 for k in STOREYS["k_over_m_w"]]
     same = case.replace(storeys={"k_over_m_w": softer})
     assert same.kernel.axes()["T_s"].value == pytest.approx(0.9)
-    alone = rwmf.simulate(studies.without_wall(same))["u_s_max"]
+    alone = rwmf.simulate(same.without_wall())["u_s_max"]
     at = found.sel(T_s=0.9).squeeze()
     assert float(at["u_s_max_alone"]) == pytest.approx(float(alone), rel=1e-6)
     both = rwmf.simulate(same)["u_s_max"]
@@ -104,7 +92,7 @@ def test_wall_effect_compares_the_same_frame(coupling: str) -> None:
 def test_storeys_that_yield_one_by_one_stay_so_without_the_wall() -> None:
     yielding = {"storey_u_y": [0.004], "law": "elastic_plastic"}
     case = _storeys("every_floor").replace(yielding=yielding)
-    alone = studies.without_wall(case)
+    alone = case.without_wall()
     assert alone.storeys.coupling == "full"
     assert np.isfinite(studies.wall_effect(case, {"T_s": [0.5]})["ratio"]).all()
 
@@ -113,7 +101,7 @@ def test_intensity_of_storeys_is_of_a_linear_oscillator(suite: tuple[RecordFile,
     """That of the first period, however the storeys yield."""
     yielding = {"storey_u_y": [0.004], "law": "elastic_plastic"}
     case = _storeys("full").replace(yielding=yielding)
-    found = studies.incremental_dynamic_analysis(case, [0.3], suite)
+    found = rwmf.sweep(case, {"scale": [0.3]}, suite, intensity="pseudo_acceleration")
     T_s = case.kernel.axes()["T_s"].value
     oscillator = bare_frame(frame={"T_s": T_s}, solver=SOLVER)
     for i, record in enumerate(suite):
@@ -126,21 +114,9 @@ def test_intensity_of_storeys_is_of_a_linear_oscillator(suite: tuple[RecordFile,
     assert "oscillator" in found["scale"].attrs["long_name"]
 
 
-def test_blocks_in_all_studies(suite: tuple[RecordFile, ...]) -> None:
+def test_equal_response_of_a_block() -> None:
     case = _block()
     own = case.kernel.axes()["T_s"].value
-    grid = {"T_s": [own, 5.0]}
-    runs = [float(rwmf.simulate(_under(case, record))[ROTATION]) for record in suite]
-    spectra = studies.suite_spectra(case, grid, suite)
-    np.testing.assert_array_equal(spectra[ROTATION].isel(T_s=0).squeeze(), runs)
-    assert f"{ROTATION}_percentiles" in spectra
-    friction = studies.friction_spectra(case, grid)
-    run = rwmf.simulate(case.replace(output={"reactions": True}))
-    demand = friction["friction_demand_max"].isel(T_s=0).squeeze()
-    assert float(demand) == float(run["friction_demand_max"])
-    bands = studies.sensitivity_bands(case, grid, {"e": [0.85, 0.95]})
-    assert (bands["lowest"] <= bands["nominal"]).all()
-    assert bands["nominal"].attrs["long_name"] == "largest rotation over slenderness"
     found = studies.equal_response(case, [1.0], 0.3)
     motion = {"a_max_g": float(found["a_max_g"][0]), "omega_p": None, "T_p": 1.0}
     run = rwmf.simulate(case.replace(motion=motion, solver={"t_end": 1.0 + 10 * own}))
@@ -151,46 +127,36 @@ def test_blocks_in_all_studies(suite: tuple[RecordFile, ...]) -> None:
 def test_intensity_of_a_block_is_the_peak_of_the_ground(suite: tuple[RecordFile, ...]) -> None:
     case = _block()
     levels = [0.3, 0.5]
-    found = studies.incremental_dynamic_analysis(case, levels, suite)
+    found = rwmf.sweep(
+        case, {"scale": levels}, suite, quantities=(ROTATION,), intensity="peak_acceleration"
+    )
     assert found["scale"].attrs["long_name"] == "peak ground acceleration over g"
     for i, record in enumerate(suite):
         peak = max(abs(float(line)) for line in Path(record.path).read_text("ascii").split())
         for k, level in enumerate(levels):
             run = rwmf.simulate(_under(case, record, level / peak))
-            assert float(found[ROTATION][i, k]) == pytest.approx(float(run[ROTATION]), rel=1e-6)
-    curve = studies.fragility(found, float(np.median(found[ROTATION])))
-    assert curve.attrs["quantity"] == ROTATION
+            assert float(found[ROTATION][i, k].squeeze()) == pytest.approx(
+                float(run[ROTATION]), rel=1e-6
+            )
 
 
 def test_what_makes_no_sense_says_why(suite: tuple[RecordFile, ...]) -> None:
     case = _block()
-    with pytest.raises(InputError, match=r"wall effect: .* no &frame .* rwmf study spectra"):
+    with pytest.raises(InputError, match=r"wall effect: .* no &frame .* rwmf sweep"):
         studies.wall_effect(case, {"T_s": [2.0]})
     with pytest.raises(InputError, match=r"equal response: u_s_max: .*take its rotation"):
-        studies.equal_response(case, [1.0], 0.1, quantity="u_s_max")
+        studies.equal_response(case, [1.0], 0.1, quantities="u_s_max")
     with pytest.raises(InputError, match=r"the case needs &frame T_s, or .*; or take 'peak_acc"):
-        studies.incremental_dynamic_analysis(case, [1.0], suite, intensity="pseudo_acceleration")
-    with pytest.raises(InputError, match="bands: nothing is uncertain: give values of a key"):
-        studies.sensitivity_bands(case, {"T_s": [2.0]}, {})
-    with pytest.raises(InputError, match=r"fragility: quantities: must be one of u_s_max"):
-        several = studies.incremental_dynamic_analysis(
-            _storeys("full"), [0.2, 0.4], suite, ["u_s_max", ROTATION]
-        )
-        studies.fragility(several, 0.1)
+        rwmf.sweep(case, {"scale": [1.0]}, suite, intensity="pseudo_acceleration")
 
 
 @pytest.mark.parametrize(
     "words",
     [
-        ["spectra", "--T_s", "2,3,4", "--records", "r.txt"],
-        ["fragility", "--levels", "0.1:1.5:8", "--limit", "0.3", "--records", "r.txt"],
-        ["friction", "--T_s", "2,3"],
-        ["bands", "--T_s", "2:4:3", "--vary", "impact.e=0.8,0.9"],
-        ["bands", "--T_s", "2:4:3", "--eta", "0,0,0.2,0.8"],
         ["equal-response", "--T_p", "0.8,1", "--target", "0.2"],
         ["overturning", "--omega", "3,5", "--amplitude", "1:9:5"],
     ],
-    ids=lambda words: "-".join(words[:1] + words[3:4]),
+    ids=lambda words: words[0],
 )
 @pytest.mark.parametrize("scene", ["block", "full"])
 def test_commands(
@@ -201,14 +167,7 @@ def test_commands(
     monkeypatch.chdir(tmp_path)
     case = _block() if scene == "block" else _storeys(scene)
     case.replace(impact={"rule": "coupled", "e": None}).to_namelist("case.nml")
-    t = 0.02 * np.arange(150)
-    rows = [f"{x!r} {y!r}\n" for x, y in zip(t.tolist(), (4 * np.sin(5 * t)).tolist(), strict=True)]
-    Path("r.txt").write_text("".join(rows), encoding="ascii")
-    if "--records" in words:
-        words = [*words, "--unit", "m/s2"]
-    if scene == "full":
-        words = ["0.05" if word == "0.3" else word.replace("2:4:3", "0.4:1:3") for word in words]
-    place = ["--plot", "x.png", "--file", "x.nc"]
+    place = ["--plot", "x.png", "--out", "x.nc"]
     assert cli.main(["study", words[0], "case.nml", *words[1:], *place]) == 0
     assert Path("x.png").stat().st_size > 5000
     with xr.open_dataset("x.nc", engine="h5netcdf") as found:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from rwmf import cli, studies
+from rwmf import cli
 from rwmf.errors import InputError
 from scenes import coupled
 
@@ -32,10 +32,15 @@ def _designs() -> dict[str, rwmf.Case]:
         "wall": first,
         "stiffer": first.replace(frame={"T_s": 0.7, "xi_s": 0.02}, solver={"rtol": 1e-8}),
         "published": first.replace(model={"formulation": "published"}, solver={"method": "adams"}),
-        "bare": studies.without_wall(first),
+        "bare": first.without_wall(),
         "storeys": first.replace(frame={"T_s": None, "gamma": None}, storeys=storeys),
         "block": first.without("frame"),
     }
+
+
+def _analysis(case: rwmf.Case, **options: object) -> xr.Dataset:
+    plain = "peak_acceleration" if case.frame is None else "pseudo_acceleration"
+    return rwmf.sweep(case, {"scale": LEVELS}, _records(), **{"intensity": plain} | options)
 
 
 def _factors(found: xr.Dataset) -> list[str]:
@@ -44,11 +49,8 @@ def _factors(found: xr.Dataset) -> list[str]:
 
 def test_designs_share_the_factor_of_each_record() -> None:
     """To the bit; without period and damping each takes its own."""
-    wanted: dict[str, Any] = {"period": 1.1, "damping": 0.05}
-    found = {
-        name: studies.incremental_dynamic_analysis(case, LEVELS, _records(), **wanted)
-        for name, case in _designs().items()
-    }
+    wanted: dict[str, Any] = {"period": 1.1, "damping": 0.05, "intensity": "pseudo_acceleration"}
+    found = {name: _analysis(case, **wanted) for name, case in _designs().items()}
     factors = [_factors(item) for item in found.values()]
     assert all(item == factors[0] for item in factors)
     assert factors[0][0] != factors[0][1]
@@ -65,10 +67,7 @@ def test_designs_share_the_factor_of_each_record() -> None:
 
 def test_without_them_they_are_those_of_the_frame() -> None:
     designs = _designs()
-    own = [
-        studies.incremental_dynamic_analysis(designs[name], LEVELS, _records())
-        for name in ("wall", "stiffer", "storeys", "block")
-    ]
+    own = [_analysis(designs[name]) for name in ("wall", "stiffer", "storeys", "block")]
     periods = [item.attrs.get("intensity_period_s") for item in own]
     assert periods[:2] == [1.0, 0.7]
     assert periods[2] == designs["storeys"].kernel.axes()["T_s"].value
@@ -118,11 +117,11 @@ def test_they_are_required_where_structures_vary(grid: dict[str, list[float]]) -
 def test_what_does_not_belong_together(options: dict[str, Any], message: str) -> None:
     case = _designs()["wall"]
     with pytest.raises(InputError, match=message):
-        studies.incremental_dynamic_analysis(case, LEVELS, _records(), **options)
+        _analysis(case, **options)
 
 
 def test_files_and_commands_take_and_state_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("h5netcdf")
     pytest.importorskip("matplotlib")
@@ -138,17 +137,12 @@ def test_files_and_commands_take_and_state_them(
     assert cli.main(["sweep", "s.nml"]) == 0
     with xr.open_dataset("s.nc", engine="h5netcdf") as found:
         assert (found.attrs["intensity_period_s"], found.attrs["intensity_damping"]) == (1.1, 0.05)
-    capsys.readouterr()
-    # two columns: a study has no option for the interval of one
-    for motion in _records():
-        times = np.column_stack([motion.times, motion.values])
-        np.savetxt(f"{motion.name}.txt", times, fmt="%.17g")
-    words = "study fragility case.nml --records r0.txt r1.txt --unit m/s2 --levels 0.1:3:12"
-    options = "--limit 0.1 --period 1.1 --damping 0.05 --plot f.svg --file f.nc"
+    words = "stripes case.nml --records r0.txt r1.txt --unit m/s2 --dt 0.02 --levels 0.1:3:4"
+    options = "--period 1.1 --damping 0.05 --plot s.svg --out stripes.nc"
     assert cli.main([*words.split(), *options.split()]) == 0
-    assert "period 1.1 s and damping 0.05" in capsys.readouterr().out
+    assert cli.main(["fragility", "stripes.nc", "--limit", "0.1", "--out", "f.nc"]) == 0
     with xr.open_dataset("f.nc", engine="h5netcdf") as found:
         assert found.attrs["intensity_period_s"] == 1.1
         ax = rwmf.plot.make_panels(None, 1)[0]
-        rwmf.plot.draw_fragility(found.load(), ax)
+        rwmf.plot.fragility(found.load(), ax)
         assert ax.get_xlabel() == "$S_a$(1.1 s, 5 %)$/g$"

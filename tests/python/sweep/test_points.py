@@ -415,7 +415,7 @@ def test_a_sample_that_is_killed_ten_times(elcentro: Path, tmp_path: Path) -> No
 
 def _start(folder: Path, name: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "rwmf", "sweep", "sweep.nml", "--file", name],
+        [sys.executable, "-m", "rwmf", "sweep", "sweep.nml", "--out", name],
         cwd=folder,
         text=True,
         stdout=subprocess.PIPE,

@@ -103,7 +103,7 @@ def test_mpi_with_two_ranks(tmp_path: Path) -> None:
     ranks = ["mpiexec", "--allow-run-as-root", "--oversubscribe", "-n", "2"]
     command = [sys.executable, "-m", "mpi4py.futures", "-m", "rwmf", "sweep", "sweep.nml"]
     subprocess.run(
-        [*ranks, *command, "--engine", "mpi", "--file", "mpi.nc"],
+        [*ranks, *command, "--engine", "mpi", "--out", "mpi.nc"],
         cwd=tmp_path,
         check=True,
         timeout=120,
@@ -127,9 +127,9 @@ def test_parts_of_the_batch_program(batch: Runner, tmp_path: Path, parts: int) -
         names.append(str(tmp_path / f"case.part-{k}-of-{parts}.spectrum.csv"))
     whole = tmp_path / "case.spectrum.csv"
     if parts > 1:
-        assert cli.main(["merge", str(tmp_path / "merged.csv"), *names]) == 0
+        assert cli.main(["sweep", "--out", str(tmp_path / "merged.csv"), "--merge", *names]) == 0
         assert (tmp_path / "merged.csv").read_bytes() == whole.read_bytes()
-        assert cli.main(["merge", str(tmp_path / "again.csv"), *names[1:]]) == 2
+        assert cli.main(["sweep", "--out", str(tmp_path / "again.csv"), "--merge", *names[1:]]) == 2
 
 
 @pytest.mark.parametrize("word", ["0/2", "3/2", "1", "a/b", "1/2/3", ""])

@@ -31,9 +31,9 @@ def _write(folder: Path, sweep: str, grid: str) -> None:
 
 def test_letters_of_keys_do_not_matter(folder: Path) -> None:
     _write(folder, "case='case.nml', quantities='u_s_max','impacts'", "eta=1,5,0,0  T_s=0.5,1.0")
-    assert cli.main(["sweep", "s.nml", "--file", "small.nc"]) == 0
+    assert cli.main(["sweep", "s.nml", "--out", "small.nc"]) == 0
     _write(folder, "CASE='case.nml', Quantities='U_S_MAX','Impacts'", "ETA=1,5,0,0  frame.T_S=.5,1")
-    assert cli.main(["sweep", "s.nml", "--file", "large.nc"]) == 0
+    assert cli.main(["sweep", "s.nml", "--out", "large.nc"]) == 0
     with xr.open_dataset("small.nc") as small, xr.open_dataset("large.nc") as large:
         assert small.sizes["T_s"] == small.sizes["eta"] == 2
         xr.testing.assert_identical(small, large)
@@ -58,10 +58,10 @@ def test_names_that_are_no_utf8(folder: Path, monkeypatch: pytest.MonkeyPatch) -
     case.to_namelist("case.nml")
     text = "&sweep case='case.nml' records='" + record + "' unit='g' /\n&grid T_s=1 /\n"
     Path("s.nml").write_text(text, encoding="utf-8", errors="surrogateescape")
-    assert cli.main(["sweep", "s.nml", "--file", record + ".nc"]) == 0
+    assert cli.main(["sweep", "s.nml", "--out", record + ".nc"]) == 0
     with xr.open_dataset(record + ".nc", engine="h5netcdf") as found:
         assert found["record"].values.tolist() == ["r\\udce9"]
-    words = ["study", "wall", "case.nml", "--T_s", "1", "--file", "w.nc", "--plot", record + ".png"]
+    words = ["study", "wall", "case.nml", "--T_s", "1", "--out", "w.nc", "--plot", record + ".png"]
     assert cli.main(words) == 0
     xr.testing.assert_identical(
         rwmf.sweep(case, {"T_s": [1.0]}), rwmf.sweep(case, {"T_s": [1.0]}, file="x.nc").load()
@@ -76,7 +76,7 @@ def test_points_in_a_file(folder: Path) -> None:
         "e,xi_s,record\n.8,.02,r.txt\n.9,.05,r.txt\n", encoding="ascii"
     )
     _write(folder, "case='case.nml', points='tables/p.csv', unit='g'", "T_s=0.5,1.0")
-    assert cli.main(["sweep", "s.nml", "--file", "p.nc"]) == 0
+    assert cli.main(["sweep", "s.nml", "--out", "p.nc"]) == 0
     case = rwmf.Case.from_namelist("case.nml")
     points = {"e": [0.8, 0.9], "xi_s": [0.02, 0.05], "record": ["tables/r.txt"] * 2}
     with xr.open_dataset("p.nc", engine="h5netcdf") as found:

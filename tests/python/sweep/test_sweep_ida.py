@@ -12,7 +12,7 @@ import pytest
 import rwmf
 import xarray as xr
 from checkout import ROOT
-from rwmf import cli, studies
+from rwmf import cli
 from rwmf.errors import InputError
 
 SHIPPED = ROOT / "inputs" / "sweeps"
@@ -61,7 +61,13 @@ def test_one_file_is_the_study_and_the_runs(place: Path) -> None:
     assert cli.main(["sweep", "ida.nml"]) == 0
     case = rwmf.Case.from_namelist("six_storeys_with_fuses.nml")
     records = sorted((place / "records").iterdir())
-    study = studies.incremental_dynamic_analysis(case, LEVELS, records, NAMES)
+    study = rwmf.sweep(
+        case,
+        {"scale": LEVELS},
+        records,
+        quantities=NAMES,
+        intensity="pseudo_acceleration",
+    ).squeeze()
     with xr.open_dataset("ida.nc", engine="h5netcdf") as found:
         assert found["scale"].attrs["long_name"].startswith("pseudo-spectral acceleration")
         for name in NAMES:

@@ -121,7 +121,7 @@ def test_parts_and_merge(whole: Path, tmp_path: Path) -> None:
 
 def _start(folder: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "rwmf", "sweep", "sweep.nml", "--file", "out.nc"],
+        [sys.executable, "-m", "rwmf", "sweep", "sweep.nml", "--out", "out.nc"],
         cwd=folder,
         text=True,
         stdout=subprocess.PIPE,
@@ -147,7 +147,7 @@ def sweep_file(tmp_path: Path) -> Path:
 def test_killed_at_random_instants(sweep_file: Path, command: Runner) -> None:
     folder = sweep_file.parent
     started = time.perf_counter()
-    found = command("sweep", sweep_file, "--file", "whole.nc")
+    found = command("sweep", sweep_file, "--out", "whole.nc")
     seconds = time.perf_counter() - started
     assert found.returncode == 0, found.stderr
     chance = random.Random(9)
@@ -212,7 +212,7 @@ def test_a_journal_that_another_process_writes(sweep_file: Path, command: Runner
     journal = sweep_file.with_name("out.nc.journal")
     with journal.open("wb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        found = command("sweep", sweep_file, "--file", "out.nc")
+        found = command("sweep", sweep_file, "--out", "out.nc")
     assert found.returncode == 2
     assert "another process writes it" in found.stderr
     assert journal.stat().st_size == 0

@@ -79,7 +79,7 @@ contains
       call checks%that(case%output%energy, 'energy')
       call checks%close_to(case%initial%theta_over_alpha, 0.0_wp, 'theta_over_alpha')
       call accept(scene//'&impact rule = ''coupled'' /', case)
-      call checks%that(.not. allocated(case%impact%e), 'coupled has no e of its own')
+      call checks%that(.not. allocated(case%impact%e), 'coupled has no own e')
       call accept(scene//'&motion kind = ''type_c'', v_p = 1, T_p = 1 /', case)
       call checks%that(case%motion%n_pulses == 1, 'C_1 unless n is given')
       call accept(scene//'&motion kind = ''mavroeidis_papageorgiou'', v_p = 1, T_p = 1, ' &

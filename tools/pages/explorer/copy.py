@@ -35,13 +35,7 @@ _SCRIPT = re.compile(r"<script[^>]*></script>\n")
 
 
 def write(folder: Path) -> None:
-    """Write the copy.
-
-    Parameters
-    ----------
-    folder : Path
-        Its folder, which is replaced.
-    """
+    """Write the copy."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     shutil.copytree(_PAGE / "vendor", folder / "vendor")
@@ -59,18 +53,7 @@ def write(folder: Path) -> None:
 
 
 def bundle(main: Path) -> str:
-    """Join a module and those that it imports into one plain script.
-
-    Parameters
-    ----------
-    main : Path
-        File of the module; modules import names from files beside them.
-
-    Returns
-    -------
-    str
-        The script.
-    """
+    """Join a module and those that it imports into one plain script."""
     done: dict[str, str] = {}
 
     def add(path: Path) -> None:

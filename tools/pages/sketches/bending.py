@@ -32,20 +32,7 @@ _ROOTS = (1.8751040687, 4.6940911330, 7.8547574382)
 
 
 def cantilever(number: int, share: Array) -> Array:
-    """Give a mode of a clamped uniform beam, 1 at its tip.
-
-    Parameters
-    ----------
-    number : int
-        Which mode, from 0.
-    share : numpy.ndarray, shape (n,)
-        Heights over the height of the beam [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Deflections.
-    """
+    """Give a mode of a clamped uniform beam, 1 at its tip."""
     root = _ROOTS[number]
     ratio = (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
     at = root * share

@@ -18,13 +18,7 @@ SKETCHES: tuple[Sketch, ...] = (
 
 
 def write_all(folder: Path) -> None:
-    """Draw all sketches.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the SVG files are written.
-    """
+    """Draw all sketches."""
     folder.mkdir(parents=True, exist_ok=True)
     for sketch in SKETCHES:
         sketch.write(folder)

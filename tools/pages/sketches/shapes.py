@@ -56,13 +56,7 @@ class Sketch:
     height: float = 2.6
 
     def write(self, folder: Path) -> None:
-        """Draw the sketch and write its file.
-
-        Parameters
-        ----------
-        folder : Path
-            Folder of the file.
-        """
+        """Draw the sketch and write its file."""
         import matplotlib
         from matplotlib.figure import Figure
 
@@ -83,61 +77,21 @@ class Sketch:
 
 
 def label(ax: Axes, at: Point, text: str, color: str = INK, ha: str = "center") -> None:
-    """Write a text at a point.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    at : sequence of float
-        The point.
-    text : str
-        The text.
-    color : str
-        Its colour.
-    ha : str
-        Which part of the text is at the point: left, center or right.
-    """
+    """Write a text at a point."""
     ax.text(at[0], at[1], text, color=color, ha=ha, va="center", zorder=9)
 
 
 def arrow(
     ax: Axes, start: Point, end: Point, colour: str = INK, width: float = 1.3, head: str = "-|>"
 ) -> None:
-    """Draw an arrow.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    start, end : sequence of float
-        Its ends.
-    colour : str
-        Its colour.
-    width : float
-        Width of its line [pt].
-    head : str
-        Its heads, as matplotlib writes them.
-    """
+    """Draw an arrow."""
     look: dict[str, Any] = {"arrowstyle": head, "color": colour, "shrinkA": 0, "shrinkB": 0}
     look |= {"lw": width, "mutation_scale": 5.0 + 3.0 * width}
     ax.annotate("", (end[0], end[1]), (start[0], start[1]), arrowprops=look, zorder=8)
 
 
 def dimension(ax: Axes, start: Point, end: Point, text: str, shift: Point = (0.0, 0.0)) -> None:
-    """Draw a dimension line with its symbol.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    start, end : sequence of float
-        Its ends.
-    text : str
-        The symbol.
-    shift : sequence of float
-        Place of the symbol from the middle of the line.
-    """
+    """Draw a dimension line with its symbol."""
     arrow(ax, start, end, GREY, 0.8, "<|-|>")
     middle = (np.asarray(start, dtype=float) + np.asarray(end, dtype=float)) / 2
     label(ax, middle + np.asarray(shift), text)
@@ -150,21 +104,7 @@ def arc(
     angles: tuple[float, float],
     color: str = INK,
 ) -> None:
-    """Draw an angle between two directions, with an arrow at its end.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    centre : sequence of float
-        Its vertex.
-    radius : float
-        Its radius.
-    angles : tuple of float
-        Directions of both ends, clockwise from the vertical [rad].
-    color : str
-        Its colour.
-    """
+    """Draw an angle between two directions, with an arrow at its end."""
     swept = np.linspace(*angles, 30)
     x, y = centre[0] + radius * np.sin(swept), centre[1] + radius * np.cos(swept)
     ax.plot(x[:-1], y[:-1], color=color, lw=1.0, zorder=7)
@@ -172,17 +112,7 @@ def arc(
 
 
 def ground(ax: Axes, left: float, right: float, y: float = 0.0) -> None:
-    """Draw the ground as a line with hatching below it.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    left, right : float
-        Its ends.
-    y : float
-        Its height.
-    """
+    """Draw the ground as a line with hatching below it."""
     ax.plot([left, right], [y, y], color=INK, lw=1.2, zorder=3)
     marks = np.arange(left + 0.12, right + 1e-9, 0.16)
     for x in marks:
@@ -190,24 +120,7 @@ def ground(ax: Axes, left: float, right: float, y: float = 0.0) -> None:
 
 
 def wall(ax: Axes, pivot: Point, turn: float = 0.0, *, corner: float = B) -> Callable[..., Array]:
-    """Draw a wall that is turned about a corner of its base.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    pivot : sequence of float
-        The corner on the ground.
-    turn : float
-        Rotation, clockwise [rad].
-    corner : float
-        Which corner: `B` the right one, `-B` the left one.
-
-    Returns
-    -------
-    callable
-        Gives the place of a point from its distance to the axis of the wall and its height.
-    """
+    """Draw a wall that is turned about a corner of its base."""
 
     def place(x: Array | float, z: Array | float) -> Array:
         out = np.asarray(x) - corner
@@ -225,19 +138,7 @@ def wall(ax: Axes, pivot: Point, turn: float = 0.0, *, corner: float = B) -> Cal
 
 
 def cable(ax: Axes, place: Callable[..., Array], anchor: Point, text: str = "") -> None:
-    """Draw the cable along the axis of a wall.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    place : callable
-        The wall.
-    anchor : sequence of float
-        Its anchor in the ground.
-    text : str
-        Symbol of its force.
-    """
+    """Draw the cable along the axis of a wall."""
     top = place(0.0, 2 * H)
     ax.plot([anchor[0], top[0]], [anchor[1], top[1]], color=RED, lw=1.6, ls=(0, (5, 1.5)), zorder=5)
     ax.plot(*top, marker="s", color=RED, ms=5, zorder=6)
@@ -253,19 +154,7 @@ def frame(
     levels: Sequence[float],
     sway: Sequence[float],
 ) -> None:
-    """Draw a moment frame: stiff floors on columns that bend.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    columns : tuple of float
-        Places of both columns.
-    levels : sequence of float
-        Heights of the floors.
-    sway : sequence of float
-        Their displacements.
-    """
+    """Draw a moment frame: stiff floors on columns that bend."""
     bent = 3 * _COLUMN**2 - 2 * _COLUMN**3
     lower, shift = 0.0, 0.0
     for level, moved in zip(levels, sway, strict=True):
@@ -278,17 +167,7 @@ def frame(
 
 
 def link(ax: Axes, start: Point, end: Point, *, is_long: bool = False) -> None:
-    """Draw a link with its hinges.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    start, end : sequence of float
-        Its ends.
-    is_long : bool
-        Show a break: it is much longer than drawn.
-    """
+    """Draw a link with its hinges."""
     look: dict[str, Any] = {"marker": "o", "ms": 4.5, "mfc": PAPER, "mew": 1.2}
     ax.plot([start[0], end[0]], [start[1], end[1]], zorder=6, color=GREEN, lw=1.8, **look)
     if is_long:
@@ -300,29 +179,13 @@ def link(ax: Axes, start: Point, end: Point, *, is_long: bool = False) -> None:
 
 
 def corners(ax: Axes, left: Point, right: Point) -> None:
-    """Mark both corners of a base with their names.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    left, right : sequence of float
-        The corners O' and O.
-    """
+    """Mark both corners of a base with their names."""
     for place, name, side in ((left, "$O'$", -1), (right, "$O$", 1)):
         ax.plot(*place, marker="o", color=INK, ms=4, zorder=7)
         label(ax, (place[0] + 0.24 * side, place[1] + _TEXT_HEIGHT), name)
 
 
 def ground_motion(ax: Axes, x: float, y: float) -> None:
-    """Draw the acceleration of the ground as an arrow to the right.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        The sketch.
-    x, y : float
-        Its start.
-    """
+    """Draw the acceleration of the ground as an arrow to the right."""
     arrow(ax, (x, y), (x + 0.7, y))
     label(ax, (x + 0.9, y), r"$\ddot u_g$", ha="left")

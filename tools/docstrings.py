@@ -7,18 +7,18 @@ arguments of a derived type. A file whose docstring declares "in the caller's un
 further units. For an
 argument `error`, docstring or `!!` give the conditions. include/rwmf.h explains the procedures for
 C. No explanation may begin with a word and a colon.
+
+`python -m docstrings` lists missing items with file and line. Docstrings of Python are those of
+numpydoc's validation (docs/conf.py).
 """
 
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-
-from docstrings.finding import Finding
-
-__all__ = ["check"]
 
 _PROCEDURE = re.compile(
     r"^\s*(?:(?!end\b|module\s+procedure|abstract)[\w()=:,*\s]*?\s)??(subroutine|function)\s+(\w+)"
@@ -68,40 +68,36 @@ class _Scope:
     statements: list[_Statement] = field(default_factory=list)
 
 
-def check(path: Path) -> tuple[int, list[Finding]]:
-    """Look at a file.
+def main() -> int:
+    """Look at all sources; the exit status is 1 when an item is missing."""
+    n, status = 0, 0
+    root = Path(__file__).resolve().parents[1]
+    for path in sorted((root / "src").rglob("*.[fF]90")):
+        for line, text in _check(path):
+            if not text:
+                n += 1
+            else:
+                print(f"{path.relative_to(root)}:{line}: {text}")
+                status = 1
+    print(f"docstrings of Fortran: {n} public procedures and types")
+    return status
 
-    Parameters
-    ----------
-    path : path
-        The file.
 
-    Returns
-    -------
-    int
-        Number of checked public procedures and types.
-    list of Finding
-        Missing items.
-    """
+def _check(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield missing items, and an empty text for each checked procedure and type."""
     statements = list(_read(path.read_text(encoding="utf-8").splitlines()))
     has_units = not statements or "in the caller's units" not in statements[0].doc
     public = _public_names(statements)
-    n = 0
-    found = [
-        Finding(path, statement.line, f"begins as metadata of FORD: {statement.doc.strip()}")
-        for statement in statements
-        if _METADATA.match(statement.doc)
-    ]
+    for statement in statements:
+        if _METADATA.match(statement.doc):
+            yield statement.line, f"begins as metadata of FORD: {statement.doc.strip()}"
     for scope in _scopes(statements):
         if scope.name.lower() in public and not scope.name.startswith("c_"):
-            n += 1
+            yield scope.line, ""
             missing = _of_type(scope) if scope.kind == "type" else _of_procedure(scope)
-            found += [
-                Finding(path, line, f"{scope.name}: {fault}")
-                for line, fault in missing
-                if has_units or not fault.endswith("has no unit")
-            ]
-    return n, found
+            for line, fault in missing:
+                if has_units or not fault.endswith("has no unit"):
+                    yield line, f"{scope.name}: {fault}"
 
 
 def _read(lines: list[str]) -> Iterator[_Statement]:
@@ -208,3 +204,7 @@ def _declared(statement: _Statement) -> tuple[str, list[str]]:
 
 def _has_unit(doc: str) -> bool:
     return bool(_UNIT.search(doc) or _MIXED.search(doc) or _FLAG.search(doc))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,50 @@
+"""Earlier spellings of public names and of words of the command line, with the new ones."""
+
+_RECIPE = "a recipe of the page Studies"
+_OF_HOSTS = (
+    *("ElementEvent", "ElementResponse", "ElementSnapshot", "WallEvent", "WallEvents"),
+    *("WallForces", "WallMaxima", "WallSnapshot", "WallState"),
+)
+# names within rwmf
+NAMES = {
+    "studies.annual_frequency": "a function of yours (page Gradients)",
+    "studies.cumulative_distribution": _RECIPE,
+    "studies.displacement_based_prestress": "a recipe of the page Design",
+    "studies.fragility": "rwmf.fragility",
+    "studies.fragility_median": "a function of yours (page Gradients)",
+    "studies.friction_spectra": _RECIPE,
+    "studies.incremental_dynamic_analysis": "rwmf.stripes or rwmf.ida",
+    "studies.percentiles": "rwmf.quantile",
+    "studies.sensitivity_bands": _RECIPE,
+    "studies.suite_spectra": _RECIPE,
+    "studies.without_wall": "Case.without_wall",
+    "plot.draw_bands": _RECIPE,
+    "plot.draw_equal_response": "rwmf.plot.equal_response",
+    "plot.draw_fragility": "rwmf.plot.fragility",
+    "plot.draw_friction": _RECIPE,
+    "plot.draw_overturning": "rwmf.plot.overturning_map",
+    "plot.draw_suite": _RECIPE,
+    "plot.draw_wall_effect": "rwmf.plot.wall_effect",
+} | {name: f"rwmf.hosts.{name}" for name in _OF_HOSTS}
+# options, and words of commands
+WORDS = {
+    "merge": "rwmf sweep --merge PART ... --out FILE",
+    "reproduce": "tools/run reproduce, in a checkout of the project",
+    "records list": "rwmf records export",
+    "study bands": _RECIPE,
+    "study fragility": "rwmf stripes and rwmf fragility",
+    "study friction": _RECIPE,
+    "study spectra": _RECIPE,
+    "--csv": "--out FILE.csv",
+    "--file": "--out FILE",
+    "--nrml": "--out FILE.xml",
+    "--quantity": "--quantities",
+    "--report": "--out FILE.html",
+}
+
+
+def moved(name: str) -> str:
+    """Return the message for a name that rwmf lacks."""
+    module, _, last = f"rwmf.{name}".rpartition(".")
+    new = f": it is now {NAMES[name]}" if name in NAMES else ""
+    return f"module {module!r} has no attribute {last!r}{new}"

@@ -1,1 +1,0 @@
-"""Check of docstrings for required items: arguments, units, shapes, results, errors."""

@@ -1,1 +1,0 @@
-"""Counts of words and sentences in docstrings, comments, messages and pages."""
