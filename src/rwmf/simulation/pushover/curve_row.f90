@@ -9,7 +9,8 @@ module rwmf_simulation_pushover_curve_row
    use rwmf_model_equation, only: cable_force_at, frame_displacement, has_elements
    use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: create_row, history_row_t, put
-   use rwmf_model_system_reactions, only: link_tilt, plastic_part, reactions_at, reactions_t
+   use rwmf_model_system_reactions, only: has_section_forces, link_tilt, plastic_part, &
+      reactions_at, reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, find_section_extremes, &
       link_places, links_t, section_extremes_t
    use rwmf_problem_quantity_table, only: id, key_length
@@ -66,7 +67,7 @@ contains
       u = loaded_displacements(scene, scene%y)
       arm = curve%height
       if (allocated(scene%building%z)) arm = dot_product(scene%pattern, scene%building%z)
-      associate (ratio => scene%load*mass_unit(scene)/curve%weight)
+      associate (ratio => scene%load*mass_unit(scene)/scene%building%weight)
          call put(row, id%base_shear_over_weight, ratio)
          call put(row, id%overturning_moment_over_weight_m, ratio*arm)
       end associate
@@ -130,7 +131,7 @@ contains
       real(wp) :: added(2), base(2)
 
       call find_links(scene, links, added)
-      call find_wall_forces(scene, links, extremes, base)
+      if (has_section_forces(scene%equation)) call find_wall_forces(scene, links, extremes, base)
       associate (equation => scene%equation, y => scene%y, g => scene%equation%p%g)
          reactions = reactions_at(equation, 0.0_wp, y, 0*y)
          reactions%normal = reactions%normal - added(2)
@@ -138,10 +139,12 @@ contains
          call put(row, id%theta_rad, y(1))
          call put(row, id%pivot_normal_over_m_w_g, reactions%normal/g)
          call put(row, id%pivot_horizontal_over_m_w_g, reactions%horizontal/g)
-         call put(row, id%wall_shear_over_m_w_g, extremes%shear/g)
-         call put(row, id%wall_moment_over_m_w_g_m, extremes%moment/g)
-         call put(row, id%wall_shear_base_over_m_w_g, base(1)/g)
-         call put(row, id%wall_moment_base_over_m_w_g_m, base(2)/g)
+         if (has_section_forces(equation)) then
+            call put(row, id%wall_shear_over_m_w_g, extremes%shear/g)
+            call put(row, id%wall_moment_over_m_w_g_m, extremes%moment/g)
+            call put(row, id%wall_shear_base_over_m_w_g, base(1)/g)
+            call put(row, id%wall_moment_base_over_m_w_g_m, base(2)/g)
+         end if
          if (equation%has_frame) call put(row, id%link_i_force_over_m_w_g, sign(norm2(links%force, &
             dim=1), links%force(1, :))/g, scene%building%floors - size(links%force, 2))
       end associate

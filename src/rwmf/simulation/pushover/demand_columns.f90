@@ -7,7 +7,8 @@ module rwmf_simulation_pushover_demand_columns
    use rwmf_model_elements, only: of_cable, of_fuse, tendon_strain
    use rwmf_model_equation, only: cable_force_at, frame_displacement, has_elements, tip_displacement
    use rwmf_model_history_row, only: history_row_t, numbered, put
-   use rwmf_model_system_reactions, only: friction_demand, reactions_t, wall_drift
+   use rwmf_model_system_reactions, only: friction_demand, has_section_forces, reactions_t, &
+      wall_drift
    use rwmf_model_system_wall_sections, only: links_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id, key_length, key_of
@@ -71,7 +72,7 @@ contains
          end if
          if (equation%has_cable) call put_tendon(row, scene)
          sections%links = links
-         call put_sections(row, scene)
+         if (has_section_forces(equation)) call put_sections(row, scene)
          if (allocated(sections%strip)) call put_strip(row, sections, reactions%normal, y(1))
       end associate
    end subroutine put_demands

@@ -125,7 +125,7 @@ contains
          call prepare_demands(case, scene)
          path%overturning_angle = case%model%overturning_angle
          path%curve%pattern = scene%pattern
-         path%curve%weight = building%weight
+         path%curve%weight = scene%equation%walls*building%weight
          path%curve%height = building%roof_height
       end associate
    end subroutine build_scene
