@@ -340,8 +340,8 @@ def study_overturning(scene: Scene, _: Path) -> None:
         assert outcome == (SURVIVES if ending_of(run) == "ok" else run["impacts"])
 
 
-def study_ida(scene: Scene, _: Path) -> None:
-    """Levels of intensity in `sweep`."""
+def levels_of_intensity(scene: Scene, _: Path) -> None:
+    """`rwmf.sweep` at a level of intensity."""
     key, name = scene.peak
     found = rwmf.sweep(
         scene.case,
@@ -612,7 +612,7 @@ PATHS: dict[str, Callable[[Scene, Path], None]] = {
     "sweep, points": run_points,
     "sweep, NetCDF": run_netcdf,
     "overturning": study_overturning,
-    "fragility": study_ida,
+    "levels": levels_of_intensity,
     "wall effect": study_wall_effect,
     "equal response": study_equal_response,
     "stepping": step_own,
@@ -647,7 +647,6 @@ REFUSALS = (
             "equal response: the case needs &frame T_s, or a &wall that rocks alone"),
     Refusal(("wall effect",), _BLOCK, "wall effect: the case has no &frame whose displacement the "
             "wall could change"),
-    Refusal(("friction",), _ALONE, "friction: the case has no &wall whose base could slide"),
     Refusal(("equal response",), "no motion|horizontal record",
             "equal response: the case needs a pulse in &motion"),
     Refusal(_HOSTS_MOTION, "vertical, record", "a host hands over the horizontal motion: a case "

@@ -127,7 +127,7 @@ export_records() {
       [[ -s "$folder/$name.csv" ]] && stamp_is "$folder/stamp" "$(venv_key)" && continue
       say "exporting the record $name to inputs/records"
       quietly "$cache/records.log" "$python" -m rwmf records export "$name" \
-         "$folder/.$name.new.csv" --force
+         --out "$folder/.$name.new.csv" --force
       mv "$folder/.$name.new.csv" "$folder/$name.csv"
    done
    printf '%s\n' "$(venv_key)" >"$folder/stamp"

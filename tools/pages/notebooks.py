@@ -125,7 +125,8 @@ class _Writer:
         if names:
             self._prose("The records of this lesson:")
             lines = [
-                f"rwmf records export {name} inputs/records/{name}.csv --force" for name in names
+                f"rwmf records export {name} --out inputs/records/{name}.csv --force"
+                for name in names
             ]
             self._code("\n".join(["%%bash", "mkdir -p inputs/records", *lines]))
 

@@ -1,4 +1,4 @@
-"""Demands of runs and suites over the limits of `&limits`."""
+"""Demands of runs, suites and static curves over the limits of `&limits`."""
 
 from __future__ import annotations
 

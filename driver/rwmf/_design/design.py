@@ -1,4 +1,4 @@
-"""Designs that meet their targets at the smallest cost."""
+"""Designs that meet their targets at the smallest cost, and the search for them."""
 
 from __future__ import annotations
 

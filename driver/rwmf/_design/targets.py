@@ -1,4 +1,4 @@
-"""Targets of a design, its variables and its cost."""
+"""Targets of a design, its variables and its cost; requests of cases and runs of the suite."""
 
 from __future__ import annotations
 

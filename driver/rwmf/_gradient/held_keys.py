@@ -1,4 +1,4 @@
-"""Parameters of a gradient: names, values, steps and bounds."""
+"""Parameters of a gradient: names, values, steps and bounds; differences of their runs."""
 
 from __future__ import annotations
 

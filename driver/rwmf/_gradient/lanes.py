@@ -1,4 +1,4 @@
-"""Runs of a gradient, in the lanes of one sweep."""
+"""Runs of a gradient: their scenes and motions, in the lanes of one sweep."""
 
 from __future__ import annotations
 

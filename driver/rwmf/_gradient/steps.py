@@ -1,4 +1,4 @@
-"""Steps of a gradient: lanes, their differences, and smaller steps where these disagree."""
+"""Steps of a gradient, smaller where differences disagree, and statistics over a suite."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values that a host queries from its walls: numbers of a `Wall`, arrays of `Walls`."""
+"""Values that a host queries from its walls, and guards of objects in the kernel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A ground acceleration with straight lines between its samples, and its integrals."""
+"""A ground acceleration with straight lines between its samples, integrals and extrema."""
 
 from __future__ import annotations
 

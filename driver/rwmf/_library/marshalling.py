@@ -1,4 +1,4 @@
-"""Conversion of texts and errors between Python and the kernel."""
+"""Texts, errors and memory between Python and the kernel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Results in the kernel's memory and their Python views."""
+"""Start of runs, spectra and static curves; results in the kernel's memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Version of the kernel and its tables of keys, groups and quantities."""
+"""Version of the kernel, its tables of keys and quantities, and its reader of records."""
 
 from __future__ import annotations
 

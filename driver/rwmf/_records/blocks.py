@@ -1,4 +1,4 @@
-"""Formats with blocks of fixed-width numbers: COSMOS, and volumes 1 and 2 of the CGS (CSMIP)."""
+"""Formats with blocks of numbers (COSMOS, CGS), with named columns, and plain ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Formats of single networks: ESM and ITACA (DYNA), K-NET and KiK-net."""
+"""Channels of records, and formats of networks: ESM and ITACA (DYNA), K-NET and KiK-net."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of recorded motions: format by content, channels as motions."""
+"""Files of recorded motions: format by content, channels as motions, components."""
 
 from __future__ import annotations
 

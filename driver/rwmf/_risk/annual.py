@@ -1,4 +1,4 @@
-"""Annual frequency of exceeding a limit: integral of a fragility curve over a hazard curve."""
+"""Hazard curves, and annual frequencies as integrals of a fragility curve over them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lognormal capacities from counts, from capacities of records, and from clouds of demands."""
+"""Normal distributions, and lognormal fits to counts, capacities and clouds of demands."""
 
 from __future__ import annotations
 

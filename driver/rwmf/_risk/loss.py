@@ -1,4 +1,4 @@
-"""Files for loss programs: demands for pelicun, fragility models for OpenQuake."""
+"""Files for pelicun and OpenQuake; factors of FEMA P-695."""
 
 from __future__ import annotations
 

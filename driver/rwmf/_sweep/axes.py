@@ -1,4 +1,4 @@
-"""Axes of a sweep: columns of numbers for the kernel, or scenes."""
+"""Axes of a sweep, as columns of numbers for the kernel or scenes; layout of its results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sweeps: planning, computation, storage and assembly; merging of parts."""
+"""Sweeps: planning, computation, storage and assembly; merging of parts, also as CSV."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Intensity measures of records, and records scaled to equal intensity."""
+"""Intensity measures, records scaled to equal intensity, and requested quantities."""
 
 from __future__ import annotations
 

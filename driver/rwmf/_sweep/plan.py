@@ -1,4 +1,4 @@
-"""Planning of a sweep: chunks from a case, a grid, points and records."""
+"""Planning of a sweep: chunks from a case, a grid, points and records; their tasks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables whose rows are runs with individual numbers, texts and ground motions."""
+"""Tables whose rows are runs with individual numbers, texts and motions, and their files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scaling of records to a target spectrum, and a greedy choice among them."""
+"""Pairs of components; targets, scaling of records to them, and a greedy choice."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The grid of a case's spectrum."""
+"""The grid of a case's spectrum, and heights of its storeys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Namelist text: reading files and formatting values; the kernel parses the text."""
+"""Namelist text: reading files, formatting values, edits that change numbers only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JSON results on the standard output, warnings on the error output."""
+"""Results as JSON, checks against `&limits`, warnings on the error output."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ import numpy as np
 
 from rwmf.case import Case
 from rwmf.errors import InputError, RwmfWarning
-from rwmf.plotting import image_files as figures
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,7 +26,10 @@ def check_words(case: Case, paths: Sequence[str] | None) -> None:
     """Check the option ``--checks`` before a computation."""
     if paths and not case.kernel.limited_demands():
         raise InputError("--checks: the case has no &limits: a check needs limits of demands")
-    figures.check_formats(*(path for path in paths or () if not _is_csv(path)))
+    if paths:
+        from rwmf.plotting.image_files import check_formats
+
+        check_formats(*(path for path in paths if not _is_csv(path)))
 
 
 def checks_if_limited(case: Case, result: xr.Dataset | Mapping[str, Any]) -> Checks | None:

@@ -1,4 +1,4 @@
-"""A frame given by functions of Python."""
+"""A frame given by matrices or functions of Python."""
 
 from __future__ import annotations
 

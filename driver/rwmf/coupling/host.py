@@ -1,4 +1,4 @@
-"""Interface of a frame to the time loop of the coupling."""
+"""Interface of a frame to the time loop of the coupling, and results of the loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A wall and a frame that step together."""
+"""A wall and a frame that step together, and their time loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ground motion over time, with its response spectrum."""
+"""Ground motions and records over time, with their response spectra."""
 
 from __future__ import annotations
 

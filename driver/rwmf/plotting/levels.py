@@ -1,4 +1,4 @@
-"""Drifts at first yield and at collapse of a frame or its storeys."""
+"""Drifts at yield and collapse of a frame or its storeys; shapes of modes of a wall."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Profiles of demands over the height of a building."""
+"""Profiles of demands over the height of a building, and envelopes inside its wall."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pulse of a study: any kind, with variable amplitude and period."""
+"""Pulse of a study: any kind, with variable amplitude and period; origin of results."""
 
 from __future__ import annotations
 
