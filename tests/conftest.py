@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING
 import matplotlib
 import pytest
 from browser import chromium
-from checkout import BATCH, ROOT, Runner, run_words
+from checkout import BATCH, ROOT, Runner, run_command, run_words
 from may_skip import pytest_make_collect_report, pytest_runtest_makereport  # noqa: F401
 from rwmf import records
 
@@ -103,9 +102,9 @@ def batch(batch_program: Path, tmp_path: Path) -> Runner:
 
 @pytest.fixture
 def command(tmp_path: Path) -> Runner:
-    """Run the command rwmf in the test's folder."""
+    """Run the command rwmf in the test's folder, in this process."""
 
     def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-        return run_words([sys.executable, "-m", "rwmf", *arguments], tmp_path)
+        return run_command(list(arguments), tmp_path)
 
     return run
