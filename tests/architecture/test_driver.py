@@ -42,6 +42,18 @@ def test_one_package_knows_the_command_line() -> None:
     assert {name.split("/")[0] for name in _importers("argparse")} == {"cli"}
 
 
+def test_one_package_writes_files() -> None:
+    """Others write into folders of their own, which they remove."""
+    writing = r"\.write_(text|bytes)\(|open\([^)]*[\"'][wxa]b?[\"']|\.to_(netcdf|csv)\("
+    found = {
+        path.relative_to(DRIVER).as_posix()
+        for path in DRIVER.rglob("*.py")
+        if re.search(rf"(?<!files){writing}", path.read_text(encoding="utf-8"))
+    }
+    own = {"export/fmu.py", "_explore/model.py", "_explore/server.py"}
+    assert {name for name in found - own if not name.startswith("_files/")} == set()
+
+
 def test_figures_never_simulate() -> None:
     computing = r"rwmf\.(_library|_simulation|_spectrum|_sweep|simulate|spectrum|sweep)\b"
     assert not [name for name in _importers(computing) if name.startswith(("plot", "loops"))]

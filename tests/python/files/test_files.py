@@ -148,10 +148,10 @@ def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (50, resource.RLIM_INFINITY))
 
     found = start(writer.words, preexec_fn=limit, env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"})
-    assert found.returncode == (1 if "-c" in writer.words else 2), found.stderr
+    assert found.returncode == 2, found.stderr
     assert "cannot be written" in found.stderr or "cannot write" in found.stderr
     assert any(name in found.stderr for name in writer.targets)
-    assert "-c" in writer.words or "Traceback" not in found.stderr
+    assert "Traceback" not in found.stderr
     after = {path.name for path in tmp_path.iterdir()}
     assert after - {"out.nc.journal"} == before
     assert all((tmp_path / name).read_bytes() == EARLIER for name in before & {*writer.targets})
@@ -168,7 +168,7 @@ grid = {"e": [0.995, 1.0], "T_s": [0.3 + 0.0001 * i for i in range(3000)]}
 rwmf.sweep(case, grid, file="whole.nc").close()
 whole = open("whole.nc", "rb").read()
 refused = 0
-for size in [*range(0, len(whole), 6000), len(whole) - 1, len(whole)]:
+for size in [*range(0, len(whole), 30000), len(whole) - 1, len(whole)]:
     # the journal is not what is looked at
     from rwmf._sweep import computation, netcdf, plan
     found = plan.make_plan(plan.Request(case, grid, quantities=("u_s_max",)))
@@ -480,8 +480,8 @@ def test_another_users_link_in_a_shared_folder(start: Run, tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("redirection", [">/dev/full", ">&-", ">&- 2>&-"])
-@pytest.mark.parametrize("name", ["run --out", "sweep", "rwmf-batch"])
+@pytest.mark.parametrize("redirection", [">/dev/full", ">&- 2>&-"])
+@pytest.mark.parametrize("name", ["run --out", "rwmf-batch"])
 def test_a_standard_output_that_takes_nothing(
     name: str, redirection: str, start: Run, tmp_path: Path
 ) -> None:

@@ -28,7 +28,7 @@ OMEGA, PEAK = 4.0, 0.35
 T_END = 3.0
 SAME = 1e-7
 NOTHING = 1e-3  # least reference of residual drifts and displacements [-], [m]
-NUMBERS = int(os.environ.get("RWMF_BUILDINGS", "24"))
+NUMBERS = int(os.environ.get("RWMF_BUILDINGS", "9"))
 FIRST = int(os.environ.get("RWMF_BUILDINGS_FIRST", "0"))
 # short scenes of the first hundred, which include every coupling, law and end of a run
 QUICK = (3, 4, 5, 6, 10, 18, 27, 29, 34, 35)
@@ -74,22 +74,13 @@ def test_quick_buildings_differ() -> None:
     assert any(scene.vertical for scene in scenes)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor"])
-@pytest.mark.parametrize(
-    ("m", "k", "height", "lean"),
-    [
-        ([2.0, 2.0, 1.5], [700.0, 600.0, 400.0], [4.0, 4.0, 4.0], 0.0),
-        ([1.0, 0.5, 2.0, 1.0], [900.0, 500.0, 700.0, 300.0], [4.0, 3.0, 3.0, 2.0], 1.0),
-    ],
-)
-def test_elastic_frames(
-    m: list[float], k: list[float], height: list[float], lean: float, coupling: str, tmp_path: Path
-) -> None:
-    """Every coupling, with and without gravity on the displaced frame: eight digits more."""
+def test_elastic_frames(coupling: str, tmp_path: Path) -> None:
+    """Every coupling with gravity on the displaced frame: three digits more."""
+    m, k, height = [1.0, 0.5, 2.0, 1.0], [900.0, 500.0, 700.0, 300.0], [4.0, 3.0, 3.0, 2.0]
     pulse = Ground([0.0, 2 * math.pi / OMEGA], [0.0, 0.0], OMEGA, PEAK * G)
     wall = Body(H, B, eta=(0.8, 2.5))
-    scene = Scene(m, k, height, pulse, coupling, xi=XI, lean=lean, limit=0.5, wall=wall)
+    scene = Scene(m, k, height, pulse, coupling, xi=XI, lean=1.0, limit=0.5, wall=wall)
     found = _compare(scene, tmp_path, 1e-10)
     assert found["impacts"][0] >= 3
 
