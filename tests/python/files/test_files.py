@@ -104,20 +104,6 @@ def test_a_pipe_gets_the_bytes(writer: Writer, start: Run, tmp_path: Path) -> No
     assert writer.through or "regular file" in found.stderr
 
 
-def test_a_device_stays(start: Run, tmp_path: Path) -> None:
-    prepare(tmp_path)
-    device = tmp_path / "null.svg"
-    try:
-        os.mknod(device, stat.S_IFCHR | 0o666, os.makedev(1, 3))
-        device.write_bytes(b"x")
-    except OSError:
-        pytest.skip("devices cannot be made here")
-    for words in (["run", "case.nml", "--plot"], ["spectrum", "case.nml", "--csv"]):
-        found = start([*RWMF, *words, "null.svg"])
-        assert found.returncode == 0, found.stderr
-        assert device.is_char_device()
-
-
 def test_the_standard_output_as_a_file(start: Run, tmp_path: Path) -> None:
     """Later printed text follows the output, in a pipe and in a file."""
     prepare(tmp_path)
@@ -462,21 +448,6 @@ def test_a_planted_journal_is_not_followed(command: Runner, tmp_path: Path) -> N
     (tmp_path / "out.nc.journal").symlink_to("precious")
     assert command("sweep", "sweep.nml", "--file", "out.nc").returncode == 2
     assert (tmp_path / "precious").stat().st_size == 0
-
-
-def test_another_users_link_in_a_shared_folder(start: Run, tmp_path: Path) -> None:
-    """The operating system does not follow it either (fs.protected_symlinks)."""
-    prepare(tmp_path)
-    (tmp_path / "precious").write_bytes(EARLIER)
-    for name in ("s.csv", "s.png"):
-        (tmp_path / name).symlink_to("precious")
-        _give_away(tmp_path / name)
-    tmp_path.chmod(0o1777)
-    for option, name in (("--csv", "s.csv"), ("--plot", "s.png")):
-        found = start([*RWMF, "spectrum", "case.nml", option, name])
-        assert found.returncode == 2
-        assert "another user" in found.stderr
-    assert (tmp_path / "precious").read_bytes() == EARLIER
 
 
 @pytest.mark.slow

@@ -181,14 +181,6 @@ def _check(case: rwmf.Case, modes: Modes, pieces: list[Piece]) -> None:
     assert float(run["roof_drift_max"]) == pytest.approx(float(run["u_s_max"]) / height, rel=1e-14)
 
 
-@pytest.mark.parametrize("n", sorted(STOREYS))
-def test_linear_frames(n: int, tmp_path: Path) -> None:
-    """Every demand of frames of two to nine storeys."""
-    a = _shaking(n)
-    case = _frame(STOREYS[n], _written(tmp_path / "record.csv", a))
-    _check(case, Modes(*STOREYS[n], XI), _lines(G * a))
-
-
 def _random_storeys(n: int) -> Storeys:
     """Masses, stiffnesses and heights that differ from storey to storey."""
     dice = np.random.default_rng(n)

@@ -16,7 +16,6 @@ from pathlib import Path
 import pytest
 import rwmf
 from bodies import Body, Ground, Scene
-from bounded_springs import Spring
 from building_scenes import building_scene, differences
 from combinations import further_combination
 from scenes import coupled
@@ -56,24 +55,6 @@ def test_more_buildings(number: int, tmp_path: Path) -> None:
     _compare(building_scene(number), tmp_path)
 
 
-def test_quick_buildings_differ() -> None:
-    """The quick scenes include every feature of the family."""
-    scenes = [building_scene(number) for number in QUICK]
-    walls = [scene.wall for scene in scenes if scene.wall]
-    assert {scene.coupling for scene in scenes} == {"full", "reduced", "every_floor"}
-    assert {scene.is_single for scene in scenes} == {True, False}
-    assert any(not scene.wall for scene in scenes)
-    assert {wall.formulation for wall in walls} == {"exact", "symmetric"}
-    laws = {(scene.yielding or {}).get("law", "plain") for scene in scenes}
-    assert laws == {"plain", "friction", "flag"}
-    assert any((scene.yielding or {}).get("hardening", 0) < 0 for scene in scenes)
-    assert any("storey_u_y" in (s.yielding or {}) and s.coupling == "every_floor" for s in scenes)
-    for keys in (("fuse",), ("damper",), ("eta",)):
-        assert any(getattr(wall, keys[0]) for wall in walls), keys
-    assert any(scene.lean for scene in scenes)
-    assert any(scene.vertical for scene in scenes)
-
-
 @pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor"])
 def test_elastic_frames(coupling: str, tmp_path: Path) -> None:
     """Every coupling with gravity on the displaced frame: three digits more."""
@@ -83,28 +64,6 @@ def test_elastic_frames(coupling: str, tmp_path: Path) -> None:
     scene = Scene(m, k, height, pulse, coupling, xi=XI, lean=1.0, limit=0.5, wall=wall)
     found = _compare(scene, tmp_path, 1e-10)
     assert found["impacts"][0] >= 3
-
-
-def test_bounded_springs() -> None:
-    """The springs of the program along a way there and back: forces by hand."""
-    flag = Spring(10.0, 1.0, 0.1, "flag", 0.5)
-    assert flag.limits() == (-1.0, 1.0)
-    flag.reach(1)
-    assert flag.force(3.0) == pytest.approx(12.0)
-    flag.turn(3.0)
-    # down by the height of the flag, and along the lower line to its corner
-    assert flag.limits() == pytest.approx((2.5, 3.0))
-    flag.reach(-1)
-    assert flag.force(2.5) == pytest.approx(7.0)
-    assert flag.corner() == 0.5
-    assert flag.force(0.5) == pytest.approx(5.0)
-    slips = Spring(10.0, 1.0, 0.0, "friction", breakaway=1.5)
-    assert slips.limits() == (-1.5, 1.5)
-    slips.reach(1)
-    assert slips.force(1.5) == 10.0
-    slips.turn(4.0)
-    assert slips.limits() == pytest.approx((1.5, 4.5))
-    assert slips.residual(4.0) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("method", ["dop853", "taylor"])
