@@ -145,10 +145,8 @@ def test_run_draws_demands_that_the_case_does_not_ask_for(
     bare = {"solver": {"t_end": 1.5}}
     for k, case in enumerate(
         (
-            _five_storeys("every_floor", output={"dt": None, "reactions": False}),
             _five_storeys("full", output={"dt": 0.02, "reactions": False}),
             rwmf.Case.from_namelist(ROOT / "inputs" / "p_delta_collapse.nml").replace(**bare),
-            rwmf.Case.from_namelist(ROOT / "inputs" / "study_block.nml").replace(**bare),
         )
     ):
         case.to_namelist("case.nml")
