@@ -43,7 +43,7 @@ def test_one_package_knows_the_command_line() -> None:
 
 
 def test_one_package_writes_files() -> None:
-    """Others write into folders of their own, which they remove."""
+    """Others write into temporary folders only."""
     writing = r"\.write_(text|bytes)\(|open\([^)]*[\"'][wxa]b?[\"']|\.to_(netcdf|csv)\("
     found = {
         path.relative_to(DRIVER).as_posix()

@@ -25,13 +25,11 @@ def _case(elcentro: Path, T_s: float, **changes: dict[str, object]) -> rwmf.Case
     return coupled(**shaken).replace(**changes)
 
 
-@pytest.mark.parametrize("T_s", PEAKS)
 @pytest.mark.parametrize("method", [name for name in METHODS if name != "bdf"])
-def test_a_wall_that_bounces_without_loss(method: str, T_s: float, elcentro: Path) -> None:
-    run = rwmf.simulate(_case(elcentro, T_s, solver={"method": method}))
-    assert float(run.u_s_max) == pytest.approx(PEAKS[T_s], rel=1e-5)
-    if T_s == 0.05:
-        assert float(run.t_u_s_max) == pytest.approx(2.4451, abs=1e-4)
+def test_a_wall_that_bounces_without_loss(method: str, elcentro: Path) -> None:
+    run = rwmf.simulate(_case(elcentro, 0.05, solver={"method": method}))
+    assert float(run.u_s_max) == pytest.approx(PEAKS[0.05], rel=1e-5)
+    assert float(run.t_u_s_max) == pytest.approx(2.4451, abs=1e-4)
     assert "bounces" in run.attrs["warnings"]
 
 
