@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import subprocess
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,23 +23,13 @@ matplotlib.use("Agg")
 # interrupts would wait in vain
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# cases of a test function whose lines are counted, of one marked `slow` one: counting takes a third
-# of the time again
-COUNTED = 5
-
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Count the lines of few cases of a function; begin with the files that take long."""
-    cases: Counter[str] = Counter()
+    """Begin with the files that take long."""
     slow: dict[Path, set[str]] = {}
     for item in items:
-        name = item.nodeid.partition("[")[0]
-        cases[name] += 1
-        is_slow = item.get_closest_marker("slow") is not None
-        if cases[name] > (1 if is_slow else COUNTED) and config.getoption("cov_source", None):
-            item.add_marker("no_cover")
-        if is_slow:
-            slow.setdefault(item.path, set()).add(name)
+        if item.get_closest_marker("slow"):
+            slow.setdefault(item.path, set()).add(item.nodeid.partition("[")[0])
         if "browser" in getattr(item, "fixturenames", ()):
             slow.setdefault(item.path, set()).add("browser")
     # a process of pytest-xdist: otherwise the last one works alone on a long file

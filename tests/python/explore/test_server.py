@@ -5,8 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import socket
-import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -16,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rwmf
-from checkout import ROOT
+from checkout import ROOT, Runner
 from page_client import Client, served
 from rwmf import Case, _simulation
 from rwmf._explore import model
@@ -464,22 +462,11 @@ def test_the_case_of_the_package_is_the_one_of_inputs() -> None:
     assert package.read_bytes() == FIG12.read_bytes()
 
 
-def _command(tmp_path: Path, *words: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "rwmf", "explore", *words, "--no-browser"],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-def test_a_port_in_use(tmp_path: Path, both: tuple[PageServer, Client]) -> None:
-    process = _command(tmp_path, str(FIG12), "--port", str(both[0].server_port))
-    _, error = process.communicate(timeout=30)
-    assert process.returncode == 2
-    assert error.startswith(f"rwmf: port {both[0].server_port} cannot be used")
-    assert "--port 0" in error
+def test_a_port_in_use(command: Runner, both: tuple[PageServer, Client]) -> None:
+    done = command("explore", FIG12, "--port", both[0].server_port, "--no-browser")
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"rwmf: port {both[0].server_port} cannot be used")
+    assert "--port 0" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -489,7 +476,6 @@ def test_a_port_in_use(tmp_path: Path, both: tuple[PageServer, Client]) -> None:
         (["--port", "70000"], "[0, 65535]"),
     ],
 )
-def test_wrong_words(tmp_path: Path, words: list[str], part: str) -> None:
-    process = _command(tmp_path, *words)
-    _, error = process.communicate(timeout=30)
-    assert (process.returncode, part in error) == (2, True)
+def test_wrong_words(command: Runner, words: list[str], part: str) -> None:
+    done = command("explore", *words, "--no-browser")
+    assert (done.returncode, part in done.stderr) == (2, True)
