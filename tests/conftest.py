@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import matplotlib
 import pytest
 from browser import chromium
-from checkout import BATCH, ROOT, Runner, run_command, run_words
+from checkout import BATCH, Runner, run_command, run_words
 from may_skip import pytest_make_collect_report, pytest_runtest_makereport  # noqa: F401
 from rwmf import records
 
@@ -35,12 +35,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     # a process of pytest-xdist: otherwise the last one works alone on a long file
     if hasattr(config, "workerinput"):
         items.sort(key=lambda item: -len(slow.get(item.path, ())))
-
-
-@pytest.fixture(scope="session")
-def root() -> Path:
-    """Folder of the checkout."""
-    return ROOT
 
 
 @pytest.fixture(scope="session")
