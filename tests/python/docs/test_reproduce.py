@@ -41,7 +41,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> ResponseCache:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*WITHOUT_SPECTRA, "fig11"])
+@pytest.mark.parametrize("name", ["fig04", *histories.VALIDATION[:1], "fig11"])
 def test_every_figure(
     name: str, cache: ResponseCache, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -15,7 +15,7 @@ from bending_scenes import bending_scene, ground_of
 
 # scenes with all couplings, cable laws, devices, vertical motion; the reference misses a flight of
 # 0.15 ms in scene 0
-SCENES = range(1, 12)
+SCENES = range(1, 12, 2)
 VARIANTS: list[tuple[int, Groups]] = [
     (7, {"p_delta": {"m_g_over_m_s": 1.0}}),
     (7, {"bending": {"damping": "stiffness", "nu": 0.2}}),
