@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +11,7 @@ from typing import TYPE_CHECKING
 import matplotlib
 import pytest
 from browser import chromium
-from checkout import BATCH, ROOT, Runner, run_words
+from checkout import BATCH, Runner, run_command, run_words
 from may_skip import pytest_make_collect_report, pytest_runtest_makereport  # noqa: F401
 from rwmf import records
 
@@ -25,34 +23,18 @@ matplotlib.use("Agg")
 # interrupts would wait in vain
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# cases of a test function whose lines are counted, of one marked `slow` one: counting takes a third
-# of the time again
-COUNTED = 5
-
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Count the lines of few cases of a function; begin with the files that take long."""
-    cases: Counter[str] = Counter()
+    """Begin with the files that take long."""
     slow: dict[Path, set[str]] = {}
     for item in items:
-        name = item.nodeid.partition("[")[0]
-        cases[name] += 1
-        is_slow = item.get_closest_marker("slow") is not None
-        if cases[name] > (1 if is_slow else COUNTED) and config.getoption("cov_source", None):
-            item.add_marker("no_cover")
-        if is_slow:
-            slow.setdefault(item.path, set()).add(name)
+        if item.get_closest_marker("slow"):
+            slow.setdefault(item.path, set()).add(item.nodeid.partition("[")[0])
         if "browser" in getattr(item, "fixturenames", ()):
             slow.setdefault(item.path, set()).add("browser")
     # a process of pytest-xdist: otherwise the last one works alone on a long file
     if hasattr(config, "workerinput"):
         items.sort(key=lambda item: -len(slow.get(item.path, ())))
-
-
-@pytest.fixture(scope="session")
-def root() -> Path:
-    """Folder of the checkout."""
-    return ROOT
 
 
 @pytest.fixture(scope="session")
@@ -103,9 +85,9 @@ def batch(batch_program: Path, tmp_path: Path) -> Runner:
 
 @pytest.fixture
 def command(tmp_path: Path) -> Runner:
-    """Run the command rwmf in the test's folder."""
+    """Run the command rwmf in the test's folder, in this process."""
 
     def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-        return run_words([sys.executable, "-m", "rwmf", *arguments], tmp_path)
+        return run_command(list(arguments), tmp_path)
 
     return run

@@ -34,7 +34,6 @@ _PROCEDURE = re.compile(
 )
 _END_PROCEDURE = re.compile(r"end\s*(subroutine|function|procedure)\b", re.IGNORECASE)
 _TYPE = re.compile(r"type\s*(?:,[^:]*)?(?:::\s*|\s+)(\w+)$", re.IGNORECASE)
-_TEXT_RESULT = r"character\s*\(\s*(?:len\s*=\s*)?:\s*\).*\ballocatable\b.*::.*\b{name}\b"
 
 
 @dataclass(frozen=True)
@@ -52,16 +51,8 @@ class Procedure:
 
     name: str
     arguments: int
-    is_function: bool
-    result: str
     statements: list[Statement] = field(default_factory=list)
     code_lines: int = 0  # between its head and its end, without internal procedures
-
-    @property
-    def returns_deferred_text(self) -> bool:
-        """Return True for the result `character(:), allocatable`."""
-        pattern = re.compile(_TEXT_RESULT.format(name=re.escape(self.result)), re.IGNORECASE)
-        return self.is_function and any(pattern.match(part.text) for part in self.statements)
 
 
 @dataclass
@@ -205,17 +196,6 @@ class Tree:
             for source in self.sources
         }
 
-    def closure(self, start: str) -> set[str]:
-        """All that a module needs, itself among them."""
-        found: set[str] = set()
-        waiting = [start]
-        while waiting:
-            name = waiting.pop()
-            if name not in found:
-                found.add(name)
-                waiting += self.arrows[name]
-        return found
-
     @cached_property
     def cycle(self) -> list[str]:
         """Modules that are in a circle or use one that is; empty where there is none."""
@@ -224,19 +204,6 @@ class Tree:
             for name in ready:
                 del waiting[name]
         return sorted(waiting)
-
-    @cached_property
-    def longest_chain(self) -> list[str]:
-        """The longest way along arrows. Only for a tree without circle."""
-        chains: dict[str, list[str]] = {}
-
-        def chain_of(name: str) -> list[str]:
-            if name not in chains:
-                below = [chain_of(used) for used in sorted(self.arrows[name])]
-                chains[name] = [name, *max(below, key=len, default=[])]
-            return chains[name]
-
-        return max((chain_of(name) for name in sorted(self.arrows)), key=len, default=[])
 
 
 def read_tree(root: Path) -> Tree:
@@ -420,19 +387,13 @@ def _find_procedures(statements: list[Statement], code: dict[int, str]) -> list[
             inner[-1] += sum(head.line <= number <= statement.line for number in code)
             done.append(procedure)
         elif found := _PROCEDURE.match(word):
-            open_.append((_begin(found, word), statement))
+            open_.append((_begin(found), statement))
             inner.append(0)
         elif open_:
             open_[-1][0].statements.append(statement)
     return done
 
 
-def _begin(found: re.Match[str], word: str) -> Procedure:
-    result = re.search(r"\bresult\s*\(\s*(\w+)\s*\)", word, re.IGNORECASE)
+def _begin(found: re.Match[str]) -> Procedure:
     names = [name for name in (found["arguments"] or "").split(",") if name.strip()]
-    return Procedure(
-        name=found["name"],
-        arguments=len(names),
-        is_function=found["kind"].lower() == "function",
-        result=result[1] if result else found["name"],
-    )
+    return Procedure(found["name"], len(names))

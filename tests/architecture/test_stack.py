@@ -64,15 +64,3 @@ def test_dynamic_frames_hold_states_only(built: dict[tuple[str, str], tuple[int,
 def test_fixed_frames_are_small(built: dict[tuple[str, str], tuple[int, str]]) -> None:
     large = {key: size for key, (size, _) in built.items() if size > LARGEST}
     assert not large
-
-
-def test_a_dynamic_frame_is_found(tmp_path: Path) -> None:
-    path = tmp_path / "a.su"
-    path.write_text(
-        "../src/rwmf/text/a.f90:3:1:work\t80\tdynamic\n"
-        "../src/rwmf/text/a.f90:9:1:work.constprop.0\t96\tdynamic\n"
-        "../src/rwmf/text/a.f90:9:1:__final_a_T\t96\tdynamic\n"
-        "wrapper.f90:9:1:other\t96\tstatic\n",
-        encoding="utf-8",
-    )
-    assert frames([path]) == {("text/a.f90", "work"): (96, "dynamic")}

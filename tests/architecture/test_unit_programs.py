@@ -39,10 +39,3 @@ def test_every_group_has_a_name() -> None:
     assert len(programs) > 20
     found = {path.name: nameless(path.read_text(encoding="utf-8")) for path in programs}
     assert not {name: calls for name, calls in found.items() if calls}
-
-
-def test_a_call_without_name_is_found() -> None:
-    text = "program test_it\n   call check_it()\ncontains\n   subroutine check_it()\n"
-    assert nameless(text + "   end subroutine check_it\n") == ["check_it"]
-    asks = "      if (.not. checks%wants('it')) return\n   end subroutine check_it\n"
-    assert nameless(text + asks) == []

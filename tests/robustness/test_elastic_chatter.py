@@ -25,13 +25,11 @@ def _case(elcentro: Path, T_s: float, **changes: dict[str, object]) -> rwmf.Case
     return coupled(**shaken).replace(**changes)
 
 
-@pytest.mark.parametrize("T_s", PEAKS)
 @pytest.mark.parametrize("method", [name for name in METHODS if name != "bdf"])
-def test_a_wall_that_bounces_without_loss(method: str, T_s: float, elcentro: Path) -> None:
-    run = rwmf.simulate(_case(elcentro, T_s, solver={"method": method}))
-    assert float(run.u_s_max) == pytest.approx(PEAKS[T_s], rel=1e-5)
-    if T_s == 0.05:
-        assert float(run.t_u_s_max) == pytest.approx(2.4451, abs=1e-4)
+def test_a_wall_that_bounces_without_loss(method: str, elcentro: Path) -> None:
+    run = rwmf.simulate(_case(elcentro, 0.05, solver={"method": method}))
+    assert float(run.u_s_max) == pytest.approx(PEAKS[0.05], rel=1e-5)
+    assert float(run.t_u_s_max) == pytest.approx(2.4451, abs=1e-4)
     assert "bounces" in run.attrs["warnings"]
 
 
@@ -67,7 +65,7 @@ def _linked(elcentro: Path, T_1: float, **changes: dict[str, object]) -> rwmf.Ca
     return case.replace(**changes)
 
 
-@pytest.mark.parametrize("T_1", [0.02, 0.05])
+@pytest.mark.parametrize("T_1", [0.05])
 def test_bounces_beside_moving_floors_are_left_out(T_1: float, elcentro: Path) -> None:
     run = rwmf.simulate(_linked(elcentro, T_1, output={"energy": True}))
     assert "left out" in run.attrs["warnings"]
@@ -83,9 +81,9 @@ def test_bounces_left_out_agree_with_single_ones(elcentro: Path) -> None:
     assert run.attrs["steps"] < 200_000
 
 
-@pytest.mark.parametrize("T_s", PEAKS)
-def test_smooth_hysteresis_that_bounces_without_loss(T_s: float, elcentro: Path) -> None:
+def test_smooth_hysteresis_that_bounces_without_loss(elcentro: Path) -> None:
     """Nearly elastic: the peak is that of the linear frame."""
+    T_s = 0.08
     hysteresis = {"law": "bouc_wen", "u_y": 1.0}
     run = rwmf.simulate(_case(elcentro, T_s, yielding=hysteresis))
     assert float(run.u_s_max) == pytest.approx(PEAKS[T_s], rel=1e-3)

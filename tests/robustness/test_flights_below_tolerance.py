@@ -62,7 +62,7 @@ def test_every_tolerance_ends(name: str, method: str, tmp_path: Path) -> None:
     records.export(record, path)
     case = rwmf.Case.from_text(text.format(file=path)).replace(solver={"max_steps": 100_000})
     trusted = float(rwmf.simulate(case.replace(solver=TIGHT)).u_s_max)
-    for rtol in (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10):
+    for rtol in (1e-2, 1e-4, 1e-8):
         tried = case.replace(solver={"method": method, "rtol": rtol, "max_steps": 200_000})
         peak = float(rwmf.simulate(tried).u_s_max)
         assert abs(peak / trusted - 1) <= WORST_RATIO * rtol, f"rtol = {rtol}"

@@ -28,7 +28,7 @@ from combinations import (
 )
 from rwmf.quantities import find
 
-NUMBERS = int(os.environ.get("RWMF_COMBINATIONS", "60"))
+NUMBERS = int(os.environ.get("RWMF_COMBINATIONS", "20"))
 FIRST = int(os.environ.get("RWMF_COMBINATIONS_FIRST", "0"))
 _CHUNK = 20
 _STARTS = range(FIRST, FIRST + NUMBERS, _CHUNK)

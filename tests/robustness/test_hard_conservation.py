@@ -64,13 +64,13 @@ def test_energy_is_kept(method: str, formulation: str, tmp_path: Path) -> None:
     assert abs(float(run["energy_balance_relative"])) <= 100 * rtol * cycles
 
 
-def test_a_hundred_thousand_cycles(tmp_path: Path) -> None:
+def test_ten_thousand_cycles(tmp_path: Path) -> None:
     """Energy and time stay linear; the drift per cycle is the tolerance."""
-    groups = {**_ROCKING, "solver": {"t_end": 2.4e5}, "output": {"energy": True}}
+    groups = {**_ROCKING, "solver": {"t_end": 2.4e4}, "output": {"energy": True}}
     run = rwmf.simulate(Hard("long", groups, rtol=1e-11).build(tmp_path, "dop853"))
     cycles = int(run["impacts"]) / 2
-    assert cycles == pytest.approx(2.4e5 / _period(0.2 * math.atan2(0.5, 2.0)), rel=1e-5)
-    assert cycles > 1e5
+    assert cycles == pytest.approx(2.4e4 / _period(0.2 * math.atan2(0.5, 2.0)), rel=1e-5)
+    assert cycles > 1e4
     assert abs(float(run["energy_balance_relative"])) <= 1e-11 * cycles
 
 
@@ -88,14 +88,3 @@ def test_the_ledger_closes(method: str, formulation: str, tmp_path: Path) -> Non
     run = rwmf.simulate(Hard("ledger", groups).build(tmp_path, method))
     assert int(run["lift_offs"]) > 1
     assert abs(float(run["energy_balance_relative"])) <= 1e-7
-
-
-def test_a_million_impacts(tmp_path: Path) -> None:
-    """Without loss at impact chatter has no end: work linear, then rest, and the right peak."""
-    groups = {"frame": {"T_s": 0.05}, "impact": {"e": 1.0}}
-    run = rwmf.simulate(Hard("million", groups).build(tmp_path, "dop853"))
-    few = rwmf.simulate(Hard("few", {**groups, "impact": {"e": 0.9}}).build(tmp_path, "dop853"))
-    assert int(run["impacts"]) > 5e5
-    assert run.attrs["steps"] < 1.1 * int(run["impacts"])
-    # the largest displacement is before the first impact
-    assert float(run["u_s_max"]) == float(few["u_s_max"])

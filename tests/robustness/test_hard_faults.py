@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import re
-import signal
-import subprocess
-import time
 from pathlib import Path
 
 import pytest
 import rwmf
-from checkout import BATCH
 from hard_scenes import METHODS, Groups, Hard, quiet
-from processes import compute
 
 _ENDLESS: Groups = {
     "impact": {"e": 1.0},
@@ -22,12 +16,6 @@ _ENDLESS: Groups = {
     "frame": {"xi_s": 0.0},
     "solver": {"t_end": 1e9, "max_steps": 2_000_000_000},
 }
-
-
-def _write(tmp_path: Path, groups: Groups, name: str = "case") -> Path:
-    path = tmp_path / f"{name}.nml"
-    Hard(name, groups).build(tmp_path).to_namelist(path)
-    return path
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -90,81 +78,3 @@ def test_a_failed_ordinate_does_not_stop_the_others(tmp_path: Path) -> None:
     status = [str(value) for value in rwmf.spectrum(case)["status"].values.flat]
     assert "too_many_steps" in status
     assert "ok" in status
-
-
-def test_full_disk(tmp_path: Path) -> None:
-    """On a file system of 64 kB: an error, the old file survives, nothing else stays."""
-    path = _write(tmp_path, {"output": {"dt": 1e-4}})
-    disk = tmp_path / "disk"
-    disk.mkdir()
-    script = (
-        'mount -t tmpfs -o size=64k none "$1" || exit 99; cd "$1"; '
-        'echo "an earlier result" > case.history.csv; "$2" "$3"; status=$?; '
-        "cat case.history.csv; ls -A; exit $status"
-    )
-    words = ["unshare", "-rm", "sh", "-c", script, "sh", disk, BATCH, path]
-    try:
-        done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
-    except FileNotFoundError:
-        pytest.skip("no unshare here")
-    if done.returncode == 99 or "unshare" in done.stderr:
-        pytest.skip("no right to mount a small disk")
-    assert done.returncode == 2, done.stderr
-    assert "cannot write" in done.stderr
-    assert done.stdout.split("\n")[:2] == ["an earlier result", "case.history.csv"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("delay", [0.0, 0.03, 0.06, 0.1, 0.2])
-def test_kill_leaves_the_old_or_the_complete_new_file(delay: float, tmp_path: Path) -> None:
-    path = _write(tmp_path, {"output": {"dt": 1e-4}, "solver": {"t_end": 2.0}})
-    complete = subprocess.run([BATCH, path.name], cwd=tmp_path, capture_output=True, check=True)
-    assert complete.returncode == 0
-    target = tmp_path / "case.history.csv"
-    new = target.read_bytes()
-    target.write_text("old\n", encoding="utf-8")
-    process = subprocess.Popen(
-        [BATCH, path.name], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    time.sleep(delay)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    assert target.read_bytes() in (b"old\n", new)
-
-
-def test_interrupt_stops_at_once(tmp_path: Path) -> None:
-    path = _write(tmp_path, _ENDLESS)
-    process = subprocess.Popen(
-        [BATCH, path.name], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
-    )
-    compute(process, 0.5)
-    process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=10)
-    assert process.returncode == 130
-    assert b"interrupted at t = " in told
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["case.nml"]
-
-
-@pytest.mark.parametrize("kind", ["folder", "pipe", "empty", "long line", "no permission"])
-def test_records_that_are_none(kind: str, tmp_path: Path) -> None:
-    record = tmp_path / "record.txt"
-    if kind == "folder":
-        record.mkdir()
-    elif kind == "pipe":
-        os.mkfifo(record)
-    elif kind == "empty":
-        record.touch()
-    elif kind == "long line":
-        record.write_bytes(b"1" * 100_000_000)
-    else:
-        record.write_text("0 0\n1 1\n", encoding="utf-8")
-        record.chmod(0)
-        if os.access(record, os.R_OK):
-            pytest.skip("this user may read everything")
-    started = time.process_time()
-    with pytest.raises(rwmf.InputError, match=r"&motion: file = "):
-        rwmf.Case(
-            wall={"h": 2.0, "b": 0.5},
-            motion={"kind": "record", "file": str(record), "unit": "g"},
-        )
-    assert time.process_time() - started < 10

@@ -12,8 +12,6 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import BATCH
-from fuzz_sizes import building
-from rwmf import _library
 
 FALL = """
 &wall b = 1.0, h = 2.0 /
@@ -131,16 +129,3 @@ def test_the_lowest_vertical_acceleration_is_known(ratio: float, is_warned: bool
     result = rwmf.simulate(rwmf.Case.from_text(PULSES.format(ratio=ratio, cycles=1e8)))
     warnings = result.attrs["warnings"].splitlines()
     assert is_warned == any("takes all of weight" in text for text in warnings)
-
-
-@pytest.mark.slow
-def test_limits_of_a_thousand_storeys(tmp_path: Path) -> None:
-    """Keys with numbers of four digits, in every list."""
-    rows = (row for row in _library.schema() if row.group == "limits" and row.kind == "real list")
-    limits = f"&limits {', '.join(f'{row.key} = 1e9' for row in rows)} /\n"
-    # the modes of a thousand storeys take 20 s, so one step has to do
-    text = building(1000, "full", "elastic_plastic", "dop853") + limits
-    text = text.replace("b = 100.0", "b = 100.0, m_w = 1e6").replace("dt = 1e-4", "dt = 1e-6")
-    done = run_batch(tmp_path, text.replace("t_end = 2e-4", "t_end = 1e-6"), seconds=240)
-    assert done.returncode == 0, done.stderr
-    assert "storey_1000_" in (tmp_path / "case.summary.csv").read_text()

@@ -74,7 +74,7 @@ def _peaks(case: rwmf.Case, periods: list[float], threads: int = 1, **grid: obje
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", COVERED)
+@pytest.mark.parametrize("number", COVERED[::3])
 def test_same_bits_in_any_company(number: int, tmp_path: Path) -> None:
     """Alone, beside others, in any order, with other mass ratios and in two threads."""
     dice = random.Random(f"periods {number}")

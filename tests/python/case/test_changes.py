@@ -70,15 +70,6 @@ def test_a_change_is_checked(groups: dict[str, dict[str, object]], message: str)
         case.replace(**groups)
 
 
-def test_many_periods_need_no_text() -> None:
-    """The text of a case has room for 10,000 values of a key."""
-    case = coupled(motion=_PULSE, solver={"t_end": 0.05}).replace(spectrum=None)
-    periods = np.linspace(0.2, 3.0, 30000)
-    spectrum = rwmf.spectrum(case, T_s=periods)
-    assert np.array_equal(spectrum.T_s, periods)
-    assert (spectrum.status == "ok").all()
-
-
 def _resident_bytes() -> int:
     pages = Path("/proc/self/statm").read_text(encoding="utf-8").split()[1]
     return int(pages) * os.sysconf("SC_PAGE_SIZE")

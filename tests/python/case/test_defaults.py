@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -17,10 +16,6 @@ TRUE = {"model": {"formulation": "exact"}, "impact": {"rule": "coupled", "e": No
 PAPER = {"model": {"formulation": "published"}, "impact": {"rule": None, "e": 0.9}}
 SHORT = {"t_end": 3.0}
 ENERGY = "not conserved: energy while theta < 0 (formulation 'published')"
-CABLE = (
-    "published: for theta < 0 the cable force of Eq. (1) falls with rocking (eta_alpha /= eta_0);"
-    " the other formulations use |theta|"
-)
 EVEN_CABLE = {"eta_0": 1.0, "eta_alpha": 1.0}
 STOREYS = {"m_over_m_w": [1.0, 1.0], "k_over_m_w": [200.0, 150.0], "height": [2.0, 2.0]}
 
@@ -64,15 +59,6 @@ def test_nothing_said_is_exact_with_the_momentum_balance() -> None:
     assert float(silent.u_s_max) == float(told.u_s_max)
     assert float(silent.e) == float(silent.e_max) > 0.99
     assert silent.attrs["warnings"] == ""
-
-
-def test_the_paper_is_two_lines_away() -> None:
-    paper = without_choices().replace(model={"formulation": "published"}, impact={"e": 0.9})
-    assert paper.impact.rule == "constant"
-    told = coupled(
-        solver=SHORT, model={"formulation": "published"}, impact={"rule": "constant", "e": 0.9}
-    )
-    assert float(rwmf.simulate(paper).u_s_max) == float(rwmf.simulate(told).u_s_max)
 
 
 @pytest.mark.parametrize("formulation", ["published", "symmetric", "exact"])
@@ -182,48 +168,6 @@ def test_warnings_come_back_from_a_file(tmp_path: Path) -> None:
         with xr.open_dataset(tmp_path / "w.nc", engine="h5netcdf") as kept:
             assert kept.attrs["warnings"] == found.attrs["warnings"]
     assert [len(found.attrs["warnings"].splitlines()) for found in told] == [0, 3, 3]
-
-
-def test_every_way_in_says_it_once(command: Runner, batch: Runner, tmp_path: Path) -> None:
-    grid = {"T_s": [0.5, 1.0, 1.5], "gamma": [0.0, 5.0, 100.0]}
-    case = coupled(solver=SHORT, **PAPER).replace(spectrum=grid)
-    # the mass ratio whose impulse is farthest from the base
-    told = [outside(gamma=100.0), ENERGY, CABLE]
-    assert rwmf.spectrum(case).attrs["warnings"].splitlines() == told
-    case.to_namelist(tmp_path / "paper.nml")
-    coupled(solver=SHORT, **TRUE).replace(spectrum=grid).to_namelist(tmp_path / "true.nml")
-    for name, n in (("paper", 1), ("true", 0)):
-        found = command("spectrum", f"{name}.nml", "--json")
-        assert found.stderr.count("not conserved") == n
-        assert json.loads(found.stdout)["warnings"] == n * told
-        found = command("run", f"{name}.nml", "--json")
-        assert found.stderr.count("not conserved") == n
-        assert json.loads(found.stdout)["warnings"] == n * [outside(), ENERGY, CABLE]
-        # a summary and a spectrum
-        assert batch(f"{name}.nml").stderr.count("not conserved") == n
-        assert command("check", f"{name}.nml").stdout.count(f"warning: {ENERGY}") == n
-
-
-def test_a_sweep_says_it_once(command: Runner, tmp_path: Path) -> None:
-    pytest.importorskip("h5netcdf")
-    case = coupled(solver=SHORT, **TRUE)
-    case.to_namelist(tmp_path / "true.nml")
-    grid = {"formulation": ["exact", "published"], "T_s": [0.5, 1.0], "gamma": [5.0, 100.0]}
-    assert rwmf.sweep(case, grid | {"formulation": ["exact"]}).attrs["warnings"] == ""
-    assert rwmf.sweep(case, grid).attrs["warnings"] == f"{ENERGY}\n{CABLE}"
-    some = {"formulation": ["exact", "published"], "e": [0.9, 1.0]}
-    told = rwmf.sweep(without_choices(), some).attrs["warnings"].splitlines()
-    assert sorted(told) == sorted([outside(), ENERGY, CABLE])
-    varied = without_choices()
-    factors = {"e": [0.8, 0.85, 0.9], "T_s": [0.5, 1.0]}
-    (line,) = rwmf.sweep(varied, factors).attrs["warnings"].splitlines()
-    assert " base widths outside the base" in line
-    text = "&sweep case = 'true.nml' / &grid formulation = 'exact', 'published' T_s = 0.5, 1 /"
-    (tmp_path / "suite.nml").write_text(text, encoding="utf-8")
-    found = command("sweep", "suite.nml")
-    assert (found.returncode, found.stderr.count("not conserved")) == (0, 1)
-    with rwmf.sweep(case, grid, file=tmp_path / "kept.nc") as kept:
-        assert kept.attrs["warnings"] == f"{ENERGY}\n{CABLE}"
 
 
 @pytest.mark.parametrize("method", ["auto", "dop853", "adams"])

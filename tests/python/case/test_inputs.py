@@ -30,16 +30,6 @@ def test_every_figure_has_a_case() -> None:
     assert set(SHIPPED) <= {path.stem for path in INPUTS}
 
 
-@pytest.mark.parametrize("path", FIGURES, ids=lambda path: path.stem)
-def test_question(path: Path) -> None:
-    """The first comment names figure and question; no line is too long to be read."""
-    text = path.read_text(encoding="utf-8")
-    first = text.split("!\n")[0].replace("\n! ", " ")
-    assert first.startswith(f"! Fig. {int(path.stem[3:5])}")
-    assert "?" in first
-    assert max(map(len, text.splitlines())) <= 100
-
-
 def test_what_every_case_states(case: rwmf.Case) -> None:
     assert "formulation" in case.model.given
     assert case.frame.xi_s == 0.05

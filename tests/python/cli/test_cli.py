@@ -132,17 +132,8 @@ def test_keys_that_do_not_apply_are_absent(command: Runner, tmp_path: Path) -> N
     assert shown["theta_max_over_alpha"] == 0.5
 
 
-def test_run_prints_a_table(command: Runner, case_file: Path) -> None:
-    found = command("run", case_file)
-    assert found.returncode == 0
-    assert "u_s_max_m" in found.stdout
-    assert not list(case_file.parent.glob("*.csv"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
-def test_plots(command: Runner, case_file: Path, suffix: str) -> None:
-    folder = case_file.parent
+def test_plots(command: Runner, case_file: Path) -> None:
+    folder, suffix = case_file.parent, "svg"
     assert command("run", case_file, "--plot", f"run.{suffix}").returncode == 0
     assert command("spectrum", case_file, "--plot", f"spectrum.{suffix}").returncode == 0
     assert command("run", case_file, "--loops", f"loops.{suffix}").returncode == 0
@@ -150,13 +141,6 @@ def test_plots(command: Runner, case_file: Path, suffix: str) -> None:
     assert (folder / f"run.{suffix}").stat().st_size > 1000
     assert (folder / f"spectrum.{suffix}").stat().st_size > 1000
     assert len(list(folder.iterdir())) == 4
-
-
-def test_spectrum_prints_ordinates(command: Runner, case_file: Path) -> None:
-    found = command("spectrum", case_file, "--threads", "2")
-    assert found.returncode == 0
-    assert "3 simulations" in found.stdout
-    assert "1.5000" in found.stdout
 
 
 def test_failed_ordinates_are_null(command: Runner, tmp_path: Path) -> None:
@@ -248,29 +232,6 @@ def test_input_errors(command: Runner, case_file: Path) -> None:
     found = command("spectrum", no_grid)
     assert found.returncode == 2
     assert "&spectrum" in found.stderr
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["run", "--out", "missing"],
-        ["run", "--plot", "missing/x.png"],
-        ["run", "--plot", "x.doc"],
-        ["run", "--loops", "missing/x.png"],
-        ["run", "--loops", "x.doc"],
-        ["spectrum", "--out", "missing/x.csv"],
-        ["spectrum", "--out", "."],
-        ["spectrum", "--plot", "x"],
-    ],
-    ids=" ".join,
-)
-def test_unwritable_outputs(command: Runner, case_file: Path, words: list[str]) -> None:
-    found = command(words[0], case_file, *words[1:])
-    assert found.returncode == 2
-    assert found.stderr.startswith("rwmf: ")
-    assert found.stderr.count("\n") == 1
-    assert list(case_file.parent.iterdir()) == [case_file]
 
 
 def test_records(command: Runner, tmp_path: Path) -> None:

@@ -126,14 +126,6 @@ def test_sweep_files_that_are_refused(
     assert sorted(folder.iterdir()) == before
 
 
-def test_film_of_a_wall_that_overturns(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    """It ends where the motion ends."""
-    for words in ([], ["--until", "1e-300"]):
-        status, told = _told(["animate", "fallen.nml", "--out", "f.gif", *words], capfd)
-        assert (status, told) == (0, "")
-    assert (folder / "f.gif").stat().st_size > 1000
-
-
 def test_what_nobody_has_foreseen(
     folder: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -133,23 +133,6 @@ def test_run_names_what_it_writes(
     assert "written: a.svg" in both.err
 
 
-def test_zeros_have_no_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """An energy of the cable that is -0.0 is printed as 0."""
-    case = ROOT / "inputs" / "does_a_wall_spread_the_yielding_of_storeys.nml"
-    assert cli.main(["run", str(case)]) == 0
-    assert re.search(r"^  energy_cable_J_per_kg +0$", capsys.readouterr().out, re.MULTILINE)
-
-
-def test_films_say_how_long_they_take(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    pytest.importorskip("PIL")
-    monkeypatch.chdir(tmp_path)
-    coupled(solver={"t_end": 0.5}).to_namelist("case.nml")
-    assert cli.main(["animate", "case.nml", "--fps", "4"]) == 0
-    assert capsys.readouterr().out.startswith("case.gif: 3 frames to draw\n")
-
-
 def test_optional_packages_are_those_of_the_project() -> None:
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     wanted = tomllib.loads(text)["project"]["optional-dependencies"]

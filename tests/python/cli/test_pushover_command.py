@@ -11,8 +11,6 @@ import pytest
 import rwmf
 from checkout import Runner
 
-STOREYS = "inputs/does_a_wall_spread_the_yielding_of_storeys.nml"
-
 
 @pytest.fixture
 def case_file(tmp_path: Path) -> Path:
@@ -74,15 +72,6 @@ def test_table(command: Runner, case_file: Path) -> None:
         "storey 1 yields",
     ):
         assert words in found.stdout
-
-
-def test_figure(command: Runner, case_file: Path, tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    target = tmp_path / "curve.svg"
-    found = command("pushover", str(case_file), "--plot", str(target), "--run")
-    assert found.returncode == 0, found.stderr
-    assert target.read_text(encoding="utf-8").startswith("<?xml")
-    assert f"written: {target}" in found.stdout
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 import rwmf
 from browser import launch
-from checkout import ROOT
 from explorer_page import DESK, PHONE, Open, Opened
-from page_client import served
 from rwmf import Case
 from rwmf._explore.presets import PRESETS, Preset, case_of_preset
 
@@ -21,13 +19,6 @@ if TYPE_CHECKING:
 
 # longer than the pause that ends a step of the history [ms]
 REST = 400
-# elements whose text does not fit into them
-CUT = """
-() => [...document.querySelectorAll('label, summary, th, td, button, h2, .hint, #captions')]
-  .filter((node) => node.checkVisibility() && !node.closest('#warnings')
-    && node.scrollWidth > node.clientWidth + 1 && getComputedStyle(node).overflow !== 'visible')
-  .map((node) => node.textContent)
-"""
 
 
 def _numbers(opened: Opened) -> dict[str, str]:
@@ -123,27 +114,6 @@ def test_ten_steps_back_and_forth(show: Open) -> None:
     # a change drops the steps that were undone
     _set(opened, "wall.b", 0.45)
     assert page.locator("#redo").is_disabled()
-
-
-def test_a_drag_is_one_step(show: Open) -> None:
-    opened = show()
-    before = _numbers(opened)
-    opened.page.evaluate(
-        """async () => {
-          const slider = document.getElementById('wall.b:slider');
-          for (let i = 0; i <= 30; i++) {
-            slider.value = 100 + i;
-            slider.dispatchEvent(new Event('input', { bubbles: true }));
-            await new Promise((done) => setTimeout(done, 16));
-          }
-        }"""
-    )
-    opened.settle()
-    assert _numbers(opened) != before
-    # also at once, before the pause that ends the step
-    _press(opened, "Undo")
-    assert _numbers(opened) == before
-    assert opened.page.locator("#undo").is_disabled()
 
 
 def test_a_link_opens_the_same_state_in_another_browser(show: Open, browser: Browser) -> None:
@@ -247,17 +217,6 @@ def test_lists_of_storeys_have_sliders(show: Open) -> None:
     assert sum(opened.page.evaluate("explorer.scene.get('storeys.height')")) == pytest.approx(24)
 
 
-def test_one_height_for_all_storeys(show: Open) -> None:
-    case = case_of_preset("six_storeys").replace(
-        storeys={"height": 3.0, "n": 6, "m": 60e3, "k": 90e6}
-    )
-    with served(case) as (server, _):
-        opened = show(server.address)
-        _set(opened, "wall.h", 6)
-        assert opened.problem == ""
-        assert sum(opened.page.evaluate("explorer.pictures.scene.heights")) == pytest.approx(12)
-
-
 def test_forces_in_kilonewtons_and_stresses_in_megapascals(show: Open) -> None:
     opened = show()
     opened.page.select_option("#preset", "six_storeys")
@@ -301,82 +260,6 @@ def test_the_profile_is_that_of_the_run(show: Open) -> None:
         if ratio > 1.0:
             first = run.time.values[np.argmax(drifts[:, i] > profile["yield"][i])]
             assert float(text) == pytest.approx(first, abs=0.02)
-
-
-@pytest.mark.parametrize("name", ["p_delta_collapse", "storeys_springs", "fig12_one_sine"])
-def test_the_profile_has_the_height_of_the_picture(show: Open, name: str) -> None:
-    with served(Case.from_namelist(ROOT / "inputs" / f"{name}.nml")) as (server, _):
-        opened = show(server.address)
-        drawn, heights = opened.page.evaluate(
-            "[explorer.stage.motion.height, explorer.stage.motion.profile.heights]"
-        )
-        assert drawn == pytest.approx(sum(heights))
-
-
-def test_warnings_are_one_line_with_links(show: Open) -> None:
-    opened = show()
-    opened.page.select_option("#preset", "six_storeys")
-    opened.settle()
-    box = opened.page.locator("#warnings")
-    assert box.bounding_box()["height"] < 40
-    box.locator("summary").click()
-    link = box.locator("button", has_text="&bending").first
-    link.click()
-    assert opened.page.evaluate("document.activeElement.id") == "add-bending"
-    opened.page.keyboard.press("Enter")
-    opened.settle()
-    assert opened.page.locator("#group-bending").count() == 1
-
-
-def test_the_keyboard_alone(show: Open) -> None:
-    """Choose an example, change a value, pin, play, undo: without a pointer."""
-    opened = show()
-    page = opened.page
-
-    def tab_to(name: str) -> None:
-        for _ in range(150):
-            page.keyboard.press("Tab")
-            if page.evaluate("document.activeElement.id") == name:
-                return
-        raise AssertionError(f"{name} is not reached")
-
-    tab_to("preset")
-    for _ in range(3):
-        page.keyboard.press("ArrowDown")
-    opened.settle()
-    assert page.locator("#preset").input_value() == "six_storeys"
-    tab_to("pin")
-    page.keyboard.press("Space")
-    opened.settle()
-    tab_to("wall.b:slider")
-    before = _numbers(opened)
-    for _ in range(5):
-        page.keyboard.press("ArrowRight")
-    opened.settle()
-    after = _numbers(opened)
-    assert after != before
-    assert page.evaluate("document.activeElement.id") == "wall.b:slider"
-    page.wait_for_timeout(REST)
-    page.keyboard.press("Control+z")
-    page.wait_for_timeout(100)
-    opened.settle()
-    assert _numbers(opened) == before
-    assert page.evaluate("document.activeElement.id") == "wall.b:slider"
-    tab_to("play")
-    page.keyboard.press("Enter")
-    page.wait_for_timeout(200)
-    assert page.evaluate("explorer.clock.playing")
-
-
-@pytest.mark.parametrize("preset", ["", "block", "six_storeys"])
-@pytest.mark.parametrize("width", [1400, 390])
-def test_no_label_is_cut(show: Open, width: int, preset: str) -> None:
-    opened = show(viewport={"width": width, "height": 900})
-    opened.page.select_option("#preset", preset)
-    opened.settle()
-    opened.open_all()
-    assert opened.page.evaluate(CUT) == []
-    assert opened.page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 def test_the_picture_stays_visible_on_a_phone(show: Open) -> None:

@@ -17,7 +17,6 @@ from checkout import ROOT
 from fmpy import fmi3
 from fmpy.validation import validate_fmu
 from rwmf._simulation import start
-from rwmf.cli import main
 from rwmf.errors import InputError
 from rwmf.export.fmu import export_fmu
 
@@ -315,17 +314,6 @@ def test_steps_end_at_the_impacts(by: str, record: Path) -> None:
     assert asked == (found if by == "request" else [])
 
 
-def test_stops_change_no_bit(record: Path) -> None:
-    plain, stopped = Unit(record).begin(), Unit(record, earlyReturnAllowed=True).begin()
-    for i in range(149):
-        plain.fmu.doStep(DT * i, DT)
-        t, end = DT * i, DT * i + DT
-        while t < end:
-            _, _, early, last = stopped.fmu.doStep(t, end - t)
-            t = last if early else end
-    assert same(plain.outputs(), stopped.outputs())
-
-
 def test_impacts_are_told_without_an_early_return(record: Path) -> None:
     told: list[float] = []
     unit = Unit(record, intermediateUpdate=lambda _e, t, *_: told.append(t)).begin()
@@ -506,19 +494,6 @@ def test_unit_is_self_contained(record: Path, tmp_path: Path) -> None:
     for name in ("modelDescription.xml", "resources/case.nml", "resources/variables.txt"):
         assert str(ROOT).encode() not in (tmp_path / name).read_bytes()
     assert {"resources/motion.txt", "resources/case.nml"} < set(names)
-
-
-def test_command_writes_the_same_bytes_again(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    case = ROOT / "inputs/fig13_elcentro_slender_wall.nml"
-    units = [tmp_path / "a.fmu", tmp_path / "b.fmu"]
-    for unit in units:
-        assert main(["export", str(case), "--out", str(unit)]) == 0
-    assert "FMI 3.0 co-simulation, 2 inputs, " in capsys.readouterr().out
-    assert units[0].read_bytes() == units[1].read_bytes()
-    assert main(["export", str(case), "--out", str(units[0]), "--input", "link"]) == 0
-    assert "5 inputs" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("source", ["fmu.c", "unsupported.c"])

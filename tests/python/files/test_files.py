@@ -104,20 +104,6 @@ def test_a_pipe_gets_the_bytes(writer: Writer, start: Run, tmp_path: Path) -> No
     assert writer.through or "regular file" in found.stderr
 
 
-def test_a_device_stays(start: Run, tmp_path: Path) -> None:
-    prepare(tmp_path)
-    device = tmp_path / "null.svg"
-    try:
-        os.mknod(device, stat.S_IFCHR | 0o666, os.makedev(1, 3))
-        device.write_bytes(b"x")
-    except OSError:
-        pytest.skip("devices cannot be made here")
-    for words in (["run", "case.nml", "--plot"], ["spectrum", "case.nml", "--out"]):
-        found = start([*RWMF, *words, "null.svg"])
-        assert found.returncode == 0, found.stderr
-        assert device.is_char_device()
-
-
 def test_the_standard_output_as_a_file(start: Run, tmp_path: Path) -> None:
     """Later printed text follows the output, in a pipe and in a file."""
     prepare(tmp_path)
@@ -148,10 +134,10 @@ def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (50, resource.RLIM_INFINITY))
 
     found = start(writer.words, preexec_fn=limit, env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"})
-    assert found.returncode == (1 if "-c" in writer.words else 2), found.stderr
+    assert found.returncode == 2, found.stderr
     assert "cannot be written" in found.stderr or "cannot write" in found.stderr
     assert any(name in found.stderr for name in writer.targets)
-    assert "-c" in writer.words or "Traceback" not in found.stderr
+    assert "Traceback" not in found.stderr
     after = {path.name for path in tmp_path.iterdir()}
     assert after - {"out.nc.journal"} == before
     assert all((tmp_path / name).read_bytes() == EARLIER for name in before & {*writer.targets})
@@ -168,7 +154,7 @@ grid = {"e": [0.995, 1.0], "T_s": [0.3 + 0.0001 * i for i in range(3000)]}
 rwmf.sweep(case, grid, file="whole.nc").close()
 whole = open("whole.nc", "rb").read()
 refused = 0
-for size in [*range(0, len(whole), 6000), len(whole) - 1, len(whole)]:
+for size in [*range(0, len(whole), 30000), len(whole) - 1, len(whole)]:
     # the journal is not what is looked at
     from rwmf._sweep import computation, netcdf, plan
     found = plan.make_plan(plan.Request(case, grid, quantities=("u_s_max",)))
@@ -464,24 +450,9 @@ def test_a_planted_journal_is_not_followed(command: Runner, tmp_path: Path) -> N
     assert (tmp_path / "precious").stat().st_size == 0
 
 
-def test_another_users_link_in_a_shared_folder(start: Run, tmp_path: Path) -> None:
-    """The operating system does not follow it either (fs.protected_symlinks)."""
-    prepare(tmp_path)
-    (tmp_path / "precious").write_bytes(EARLIER)
-    for name in ("s.csv", "s.png"):
-        (tmp_path / name).symlink_to("precious")
-        _give_away(tmp_path / name)
-    tmp_path.chmod(0o1777)
-    for option, name in (("--out", "s.csv"), ("--plot", "s.png")):
-        found = start([*RWMF, "spectrum", "case.nml", option, name])
-        assert found.returncode == 2
-        assert "another user" in found.stderr
-    assert (tmp_path / "precious").read_bytes() == EARLIER
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("redirection", [">/dev/full", ">&-", ">&- 2>&-"])
-@pytest.mark.parametrize("name", ["run --out", "sweep", "rwmf-batch"])
+@pytest.mark.parametrize("redirection", [">/dev/full", ">&- 2>&-"])
+@pytest.mark.parametrize("name", ["run --out", "rwmf-batch"])
 def test_a_standard_output_that_takes_nothing(
     name: str, redirection: str, start: Run, tmp_path: Path
 ) -> None:

@@ -11,7 +11,6 @@ import c_host
 import numpy as np
 import pytest
 import rwmf
-from heap import growth
 
 WALL = "&wall h = 4.0, b = 0.8, m_w = 2.0e4 / &impact rule = 'coupled' /"
 FRAME = "&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /"
@@ -232,27 +231,6 @@ def test_bad_calls_are_named() -> None:
         wall.respond(0.1, 0.0, 0.0, 0.0)
     with pytest.raises(bad, match="&wall"):
         rwmf.Element(rwmf.Case.from_text(FRAME + "&solver t_end = 1.0 /"))
-
-
-def test_cycles_leave_no_memory() -> None:
-    """A lost byte in each cycle, or in each motion of a call with many, would be seen."""
-    with element(EFFECTS["fuses"]) as wall:
-        wall.place(1)
-
-        def cycle(n: int) -> None:
-            for i in range(n):
-                snapshot = wall.save()
-                wall.respond(0.001 * (i % 90), 0.0, 0.0, 0.0)
-                wall.commit()
-                wall.restore(snapshot)
-
-        def many(n: int) -> None:
-            wall.respond(np.linspace(0.001, 0.09, n), 0.0, 0.0, 0.0)
-
-        for work, n in ((cycle, 2000), (many, 20_000)):
-            heap, blocks = growth(work, n)
-            assert heap < n
-            assert blocks < n
 
 
 @pytest.mark.parametrize("form", ["file", "groups"])

@@ -8,7 +8,6 @@ import itertools
 import math
 import pickle
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -409,11 +408,3 @@ def test_cycles_leave_no_memory(size: int) -> None:
     heap, blocks = growth(cycle, n)
     assert heap < n * size
     assert blocks < n
-
-
-def test_imports_stay_small() -> None:
-    program = "import sys, rwmf; print([m for m in sys.modules if 'hosts' in m or 'coupling' in m])"
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == "[]"

@@ -15,13 +15,11 @@ from bending_scenes import bending_scene, ground_of
 
 # scenes with all couplings, cable laws, devices, vertical motion; the reference misses a flight of
 # 0.15 ms in scene 0
-SCENES = range(1, 12)
+SCENES = range(1, 12, 2)
 VARIANTS: list[tuple[int, Groups]] = [
     (7, {"p_delta": {"m_g_over_m_s": 1.0}}),
     (7, {"bending": {"damping": "stiffness", "nu": 0.2}}),
-    (5, {"p_delta": {"m_g_over_m_s": 1.0}}),
     (5, {"bending": {"modes": 4, "nu": 0.2}}),
-    (3, {"bending": {"nu": 0.25, "modes": 6}}),
     (1, {"fuse": {"eta_y": 0.2, "stroke_y": 0.004, "hardening": 0.05}}),
     (8, {"damper": {"c_over_m_w": 0.5}, "vertical": {"ratio": 0.4}}),
     # the shear has its largest value next to an extremum of the other sign, both near the base

@@ -181,14 +181,6 @@ def _check(case: rwmf.Case, modes: Modes, pieces: list[Piece]) -> None:
     assert float(run["roof_drift_max"]) == pytest.approx(float(run["u_s_max"]) / height, rel=1e-14)
 
 
-@pytest.mark.parametrize("n", sorted(STOREYS))
-def test_linear_frames(n: int, tmp_path: Path) -> None:
-    """Every demand of frames of two to nine storeys."""
-    a = _shaking(n)
-    case = _frame(STOREYS[n], _written(tmp_path / "record.csv", a))
-    _check(case, Modes(*STOREYS[n], XI), _lines(G * a))
-
-
 def _random_storeys(n: int) -> Storeys:
     """Masses, stiffnesses and heights that differ from storey to storey."""
     dice = np.random.default_rng(n)
@@ -198,7 +190,7 @@ def _random_storeys(n: int) -> Storeys:
 
 
 @pytest.mark.parametrize("xi", [0.0, 0.3])
-@pytest.mark.parametrize("n", [2, 4, 5, 7, 8])
+@pytest.mark.parametrize("n", [2, 5, 8])
 def test_unequal_storeys(n: int, xi: float, tmp_path: Path) -> None:
     """Without and with much damping, under a record and under waves of a sine."""
     storeys, a = _random_storeys(n), _shaking(10 + n, 120)
@@ -273,7 +265,7 @@ _LOCATED = {
 }
 
 
-@pytest.mark.parametrize("rtol", [1e-3, 1e-8])
+@pytest.mark.parametrize("rtol", [1e-3])
 @pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor", "", "yielding", "bouc_wen"])
 def test_no_row_exceeds_what_is_located(coupling: str, rtol: float, tmp_path: Path) -> None:
     """Rows of 0.1 ms, under a pulse and under a record, with and without a wall."""

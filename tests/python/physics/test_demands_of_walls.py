@@ -16,7 +16,6 @@ from pathlib import Path
 import pytest
 import rwmf
 from bodies import Body, Ground, Scene
-from bounded_springs import Spring
 from building_scenes import building_scene, differences
 from combinations import further_combination
 from scenes import coupled
@@ -28,7 +27,7 @@ OMEGA, PEAK = 4.0, 0.35
 T_END = 3.0
 SAME = 1e-7
 NOTHING = 1e-3  # least reference of residual drifts and displacements [-], [m]
-NUMBERS = int(os.environ.get("RWMF_BUILDINGS", "24"))
+NUMBERS = int(os.environ.get("RWMF_BUILDINGS", "9"))
 FIRST = int(os.environ.get("RWMF_BUILDINGS_FIRST", "0"))
 # short scenes of the first hundred, which include every coupling, law and end of a run
 QUICK = (3, 4, 5, 6, 10, 18, 27, 29, 34, 35)
@@ -56,64 +55,15 @@ def test_more_buildings(number: int, tmp_path: Path) -> None:
     _compare(building_scene(number), tmp_path)
 
 
-def test_quick_buildings_differ() -> None:
-    """The quick scenes include every feature of the family."""
-    scenes = [building_scene(number) for number in QUICK]
-    walls = [scene.wall for scene in scenes if scene.wall]
-    assert {scene.coupling for scene in scenes} == {"full", "reduced", "every_floor"}
-    assert {scene.is_single for scene in scenes} == {True, False}
-    assert any(not scene.wall for scene in scenes)
-    assert {wall.formulation for wall in walls} == {"exact", "symmetric"}
-    laws = {(scene.yielding or {}).get("law", "plain") for scene in scenes}
-    assert laws == {"plain", "friction", "flag"}
-    assert any((scene.yielding or {}).get("hardening", 0) < 0 for scene in scenes)
-    assert any("storey_u_y" in (s.yielding or {}) and s.coupling == "every_floor" for s in scenes)
-    for keys in (("fuse",), ("damper",), ("eta",)):
-        assert any(getattr(wall, keys[0]) for wall in walls), keys
-    assert any(scene.lean for scene in scenes)
-    assert any(scene.vertical for scene in scenes)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor"])
-@pytest.mark.parametrize(
-    ("m", "k", "height", "lean"),
-    [
-        ([2.0, 2.0, 1.5], [700.0, 600.0, 400.0], [4.0, 4.0, 4.0], 0.0),
-        ([1.0, 0.5, 2.0, 1.0], [900.0, 500.0, 700.0, 300.0], [4.0, 3.0, 3.0, 2.0], 1.0),
-    ],
-)
-def test_elastic_frames(
-    m: list[float], k: list[float], height: list[float], lean: float, coupling: str, tmp_path: Path
-) -> None:
-    """Every coupling, with and without gravity on the displaced frame: eight digits more."""
+def test_elastic_frames(coupling: str, tmp_path: Path) -> None:
+    """Every coupling with gravity on the displaced frame: three digits more."""
+    m, k, height = [1.0, 0.5, 2.0, 1.0], [900.0, 500.0, 700.0, 300.0], [4.0, 3.0, 3.0, 2.0]
     pulse = Ground([0.0, 2 * math.pi / OMEGA], [0.0, 0.0], OMEGA, PEAK * G)
     wall = Body(H, B, eta=(0.8, 2.5))
-    scene = Scene(m, k, height, pulse, coupling, xi=XI, lean=lean, limit=0.5, wall=wall)
+    scene = Scene(m, k, height, pulse, coupling, xi=XI, lean=1.0, limit=0.5, wall=wall)
     found = _compare(scene, tmp_path, 1e-10)
     assert found["impacts"][0] >= 3
-
-
-def test_bounded_springs() -> None:
-    """The springs of the program along a way there and back: forces by hand."""
-    flag = Spring(10.0, 1.0, 0.1, "flag", 0.5)
-    assert flag.limits() == (-1.0, 1.0)
-    flag.reach(1)
-    assert flag.force(3.0) == pytest.approx(12.0)
-    flag.turn(3.0)
-    # down by the height of the flag, and along the lower line to its corner
-    assert flag.limits() == pytest.approx((2.5, 3.0))
-    flag.reach(-1)
-    assert flag.force(2.5) == pytest.approx(7.0)
-    assert flag.corner() == 0.5
-    assert flag.force(0.5) == pytest.approx(5.0)
-    slips = Spring(10.0, 1.0, 0.0, "friction", breakaway=1.5)
-    assert slips.limits() == (-1.5, 1.5)
-    slips.reach(1)
-    assert slips.force(1.5) == 10.0
-    slips.turn(4.0)
-    assert slips.limits() == pytest.approx((1.5, 4.5))
-    assert slips.residual(4.0) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("method", ["dop853", "taylor"])

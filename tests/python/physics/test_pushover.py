@@ -217,7 +217,7 @@ LAWS: list[dict[str, Any]] = [
 LOOPS = [
     (coupling, law)
     for coupling in ("single", "every_floor", "full", "springs", "bending")
-    for law in LAWS
+    for law in (LAWS if coupling == "full" else LAWS[::3])
     if (coupling, law.get("law")) != ("every_floor", "bouc_wen")
 ]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import os
-import shutil
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -180,56 +179,3 @@ def opensees() -> ModuleType:
     if not os.environ.get("RWMF_OPENSEES"):
         pytest.skip("no OpenSees: RWMF_OPENSEES names no Python that has openseespy")
     return _bench_module("bench", "opensees_cases")
-
-
-def test_no_tension_corners_again() -> None:
-    """OpenSees, if installed, reproduces the beginning of its stored history, impact included."""
-    module = opensees()
-    _, rows = module.compute_wall(case("g5").replace(solver={"t_end": 0.55}), module.Engine())
-    expected = stored("opensees", "g5")["theta_rad"][: len(rows)]
-    assert len(rows) == 276
-    assert expected.min() < 0 < expected.max()
-    assert np.abs(rows[:, 1] - expected).max() < AGAIN * np.abs(expected).max()
-
-
-def test_six_storeys_again() -> None:
-    module = opensees()
-    name = "six_storeys_pulse"
-    until = case(name).replace(solver={"t_end": 1.0})
-    _, rows, peaks = module.compute_frame(until, module.FrameEngine())
-    history = stored("opensees", name)
-    expected = np.column_stack(list(history.columns.values()))[: len(rows)]
-    assert len(rows) == 51
-    assert np.abs(rows - expected).max() < AGAIN
-    assert (peaks >= np.abs(rows[:, 1:]).max(axis=0)).all()
-
-
-def test_finite_elements_again() -> None:
-    """The solver, if installed, reproduces the beginning of its stored history."""
-    if shutil.which("ccx") is None:
-        pytest.skip("the program ccx is not installed")
-    module = _bench_module("bench/calculix", "run")
-    _, rows = module.compute(case("g5"), module.Settings(), 0.05)
-    expected = stored("calculix", "g5")["u_s_m"][: len(rows)]
-    assert len(rows) >= 49
-    assert np.abs(rows[:, 5] - expected).max() < AGAIN * np.abs(expected).max()
-
-
-@pytest.mark.parametrize("support", ["nodes", "faces", "struts"])
-def test_numbers_of_a_deck(support: str) -> None:
-    """The solver takes a number without a decimal point for a degree of freedom."""
-    run = _bench_module("bench/calculix", "run")
-    deck = run.Deck(case("g1800"), run.Settings(support=support), 1.0)
-    run.add_support(deck)
-    lines = deck.text().splitlines()
-    springs = [i for i, line in enumerate(lines) if line.startswith("*SPRING")]
-    assert len(springs) >= 3
-    for i in springs:
-        first = i + 2 if lines[i + 1] == "1" else i + 1
-        assert all("." in word for word in lines[first].split(","))
-    numbers = [
-        int(lines[i + 1].split(",")[0])
-        for i, line in enumerate(lines)
-        if line.startswith("*ELEMENT")
-    ]
-    assert numbers == list(range(1, len(numbers) + 1))

@@ -436,52 +436,6 @@ def test_still_record_beside_a_pulse(kind: str, tmp_path: Path) -> None:
             assert float(run[key]) == pytest.approx(float(expected[key]), rel=SAME_PHYSICS), key
 
 
-def _record_beside_pulse_by_scipy(t_v: np.ndarray, v: np.ndarray, t_end: float) -> float:
-    """Rotation of a block released at 0.5 alpha, e = 0.9, by another program [rad]."""
-    R = math.hypot(2.0, 0.5)
-    omega = 2 * math.pi
-    t, y, side = 0.0, [0.5 * ALPHA, 0.0], 1
-    stops = sorted({*t_v[(t_v > 0) & (t_v < t_end)].tolist(), 1.0, t_end})
-    while t < t_end:
-        stop = next(x for x in stops if x > t)
-        middle = (t + stop) / 2
-        pull = 0.4 * G if middle < 1 else 0.0
-
-        def rates(t: float, y: np.ndarray, side: int = side, pull: float = pull) -> list[float]:
-            arm = ALPHA - side * y[0]
-            weight = G + np.interp(t, t_v, v, left=0, right=0)
-            push = pull * math.sin(omega * t)
-            return [
-                y[1],
-                -0.75 / R * (side * weight * math.sin(arm) + push * math.cos(arm)),
-            ]
-
-        def base(_t: float, y: np.ndarray, side: int = side) -> float:
-            return float(y[0] * side)
-
-        base.terminal, base.direction = True, -1
-        found = solve_ivp(rates, (t, stop), y, events=base, method="DOP853", rtol=1e-12, atol=1e-14)
-        t, y = float(found.t[-1]), list(found.y[:, -1])
-        if found.status == 1:
-            y, side = [0.0, 0.9 * y[1]], -side
-    return y[0]
-
-
-def test_record_beside_a_pulse_by_another_program(tmp_path: Path) -> None:
-    t_v = np.array([0.1, 0.35, 0.62, 0.9, 1.31, 1.7, 1.9])
-    v = np.array([0.0, 4.0, -3.0, 5.0, -4.0, 2.0, 0.0])
-    case = block(
-        motion={"kind": "one_sine", "a_max_g": 0.4, "omega_p": 2 * math.pi},
-        vertical=_vertical(tmp_path, t_v, v),
-        initial={"theta_over_alpha": 0.5},
-        solver={"t_end": 2.0, "rtol": 1e-11},
-    )
-    run = rwmf.simulate(case, dt=2.0)
-    assert int(run["impacts"]) > 1
-    expected = _record_beside_pulse_by_scipy(t_v, v, 2.0)
-    assert float(run["theta"][-1]) == pytest.approx(expected, rel=1e-8)
-
-
 @pytest.mark.parametrize("kind", ["one_sine", "type_c", "mavroeidis_papageorgiou"])
 @pytest.mark.parametrize("method", METHODS)
 def test_record_beside_a_pulse(kind: str, method: str, tmp_path: Path) -> None:

@@ -271,7 +271,7 @@ def test_every_method_and_the_spectrum() -> None:
         ("&coupling span=1.0 /", ", walls=2", "needs a spring"),
         ("&restraint offset=0.5, height=4.0, k_over_m_w=2.0 /", ", walls=2", "must be >= b"),
         ("&restraint offset=1.0, height=9.0, k_over_m_w=2.0 /", "", "height .* must be in"),
-        ("&damper offset=-1.0, c_over_m_w=1.0 /\n&model formulation='published' /", "", "published"),
+        ("&damper offset=-1.0, c_over_m_w=1.0 /\n&model formulation='published' /", "", "publi"),
         ("", ", walls=2, base='pinned'", "pinned"),
     ],
 )  # fmt: skip

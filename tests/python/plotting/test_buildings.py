@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import matplotlib
@@ -44,15 +43,6 @@ def _five_storeys(coupling: str = "full", **groups: object) -> rwmf.Case:
 
 def _alone(case: rwmf.Case) -> rwmf.Case:
     return case.without(*(name for name in WALL_GROUPS if name in case.groups))
-
-
-def _tall(n: int) -> rwmf.Case:
-    storeys = {
-        "m_over_m_w": (1.0,) * n,
-        "k_over_m_w": (3000.0,) * n,
-        "height": (16.0 / n,) * n,
-    }
-    return _five_storeys(storeys=storeys)
 
 
 def _drawn(ax: Axes) -> list[np.ndarray]:
@@ -109,67 +99,6 @@ def test_levels_of_storeys_that_yield_one_by_one() -> None:
     assert _levels(rwmf.plot.history(run, variables=["storey_{i}_drift"])[0]) == []
 
 
-@pytest.mark.parametrize("coupling", ["reduced", "every_floor"])
-def test_levels_of_a_frame_that_yields_as_one_spring(coupling: str) -> None:
-    """Its storeys yield together: the roof is then at u_y."""
-    u_y = 0.05
-    case = _five_storeys(coupling, yielding={"u_y": u_y})
-    run = rwmf.simulate(case)
-    building = find_building(case, run)
-    assert building is not None
-    yields_at = np.argmax(building.has_yielded, axis=1)
-    assert (yields_at == yields_at[0]).all()
-    sway = np.abs(run["u_s"].values)
-    assert sway[yields_at[0] - 1] <= u_y < sway[yields_at[0]]
-    share = np.array([float(run[f"storey_{i}_drift_max"]) for i in range(1, 6)])
-    levels = _levels(rwmf.plot.history(run, variables=["storey_{i}_drift"], case=case)[0])
-    assert levels[-1] == pytest.approx(100 * share.max() * u_y / float(run["u_s_max"]))
-
-
-@pytest.mark.parametrize("name", ["p_delta_collapse", "does_the_loss_of_strength_bring_it_down"])
-def test_a_frame_that_collapses(name: str) -> None:
-    case = rwmf.Case.from_namelist(ROOT / "inputs" / f"{name}.nml")
-    run = rwmf.simulate(case)
-    top, ax = rwmf.plot.history(run, variables=["u_g_ddot", "u_s"], case=case)
-    u_y = case.yielding.f_y_over_m_s_g * case.model.g * (case.frame.T_s / (2 * math.pi)) ** 2
-    limit = 0.8 if name == "p_delta_collapse" else 15 * u_y
-    assert _levels(ax) == pytest.approx([-limit, -u_y, u_y, limit])
-    assert top.get_title(loc="left") == f"collapsed at {float(run['t_collapse']):.2f} s"
-    marks = [line.get_xdata()[0] for line in ax.lines if list(line.get_ydata()) == [0, 1]]
-    assert marks == [float(run["t_collapse"])]
-
-
-def test_a_limit_out_of_reach_is_named_not_drawn() -> None:
-    case = _alone(_five_storeys()).replace(p_delta={"drift_limit": 0.9})
-    ax = rwmf.plot.history(rwmf.simulate(case), variables=["storey_{i}_drift"], case=case)[0]
-    assert _levels(ax) == []
-    legends = [child for child in ax.get_children() if hasattr(child, "get_texts")]
-    assert "limit 90 %" in {text.get_text() for part in legends for text in part.get_texts()}
-
-
-@pytest.mark.parametrize("n", [1, 2, 6, 7, 12])
-def test_many_storeys_fit_the_figure(n: int, tmp_path: Path) -> None:
-    """Every legend lies inside of the figure, beside its panel and no higher than the gap below."""
-    case = _tall(n)
-    run = rwmf.simulate(case)
-    with new_figure(0.8 + 1.4 * 7) as figure:
-        panels = rwmf.plot.history(run, figure.subplots(len(rwmf.plot.history(run))), case=case)
-        figure.savefig(tmp_path / "history.png")
-        whole = figure.bbox
-        for above, ax in zip([None, *panels], panels, strict=False):
-            legend = ax.get_legend()
-            colours = {line.get_color() for line in ax.lines if len(line.get_ydata()) > 100}
-            assert len(colours) in (1, n)
-            if legend is None:
-                continue
-            box = legend.get_window_extent()
-            assert len(legend.get_texts()) == n
-            assert whole.x0 <= box.x0 < box.x1 <= whole.x1
-            assert box.x0 >= ax.bbox.x1
-            if above is not None and above.get_legend() is not None:
-                assert box.y1 <= above.get_legend().get_window_extent().y0
-
-
 def test_profile_against_the_dataset(tmp_path: Path) -> None:
     case = _five_storeys(yielding={"storey_u_y": 0.02})
     run = rwmf.simulate(case)
@@ -216,10 +145,8 @@ def test_run_draws_demands_that_the_case_does_not_ask_for(
     bare = {"solver": {"t_end": 1.5}}
     for k, case in enumerate(
         (
-            _five_storeys("every_floor", output={"dt": None, "reactions": False}),
             _five_storeys("full", output={"dt": 0.02, "reactions": False}),
             rwmf.Case.from_namelist(ROOT / "inputs" / "p_delta_collapse.nml").replace(**bare),
-            rwmf.Case.from_namelist(ROOT / "inputs" / "study_block.nml").replace(**bare),
         )
     ):
         case.to_namelist("case.nml")
@@ -286,17 +213,6 @@ def test_storeys_that_have_yielded_are_marked() -> None:
             assert len(yielded.get_xydata()) == (2 * 13 if is_marked else 0)
 
 
-def test_a_pinned_wall_turns_about_the_middle_of_its_base() -> None:
-    case = _five_storeys("every_floor").without("cable", "impact").replace(wall={"base": "pinned"})
-    run = rwmf.simulate(case)
-    for theta in (-0.1, 0.1):
-        box = corners(8.0, 2.0, theta, True)
-        assert 0.5 * (box[0] + box[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
-    i = int(np.argmax(np.abs(run["theta"].values)))
-    corner = corners(8.0, 2.0, float(run["theta"][i]), True)[3]
-    assert corner[0] + 2.0 == pytest.approx(float(run["u_s"][i]), rel=0.02)
-
-
 @pytest.mark.parametrize(
     ("name", "groups"),
     [
@@ -325,40 +241,6 @@ def test_films(name: str, groups: dict[str, dict[str, float]], tmp_path: Path) -
             durations.append(found.info["duration"])
     # a picture that stays may be one of a longer duration
     assert sum(durations) == 250 * frames
-
-
-def test_films_tell_the_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    case = rwmf.Case.from_namelist(ROOT / "inputs" / "study_block.nml")
-    run = rwmf.simulate(case.replace(output={"dt": 0.4}))
-    run = run.isel(time=np.isfinite(run["theta"].values))
-    texts: list[str] = []
-    keep = Axes.text
-    labels = []
-
-    def text(self: Axes, *words: object, **rest: object) -> object:
-        labels.append(keep(self, *words, **rest))  # type: ignore[arg-type]
-        return labels[-1]
-
-    monkeypatch.setattr(Axes, "text", text)
-    counts: list[tuple[int, int]] = []
-
-    def report(*count: int) -> None:
-        texts.append(labels[0].get_text())
-        counts.append(count)
-
-    animate(case, run, tmp_path / "f.gif", 4, report)
-    n = run.sizes["time"]
-    # the last sample stays for a second
-    pictures = n - 1 + 4
-    assert counts == [(i + 1, n) for i in range(n)]
-    with Image.open(tmp_path / "f.gif") as film:
-        durations = [frame.info["duration"] for frame in ImageSequence.Iterator(film)]
-    assert sum(durations) == 250 * pictures
-    texts = texts[:n]
-    assert texts[0] == "t = 0.00 s, at rest"
-    assert texts[-1] == "t = 3.20 s, overturned"
-    assert labels[1].get_text() == "rotations drawn to scale"
-    assert "overturned" not in "".join(texts[:-1])
 
 
 def _film(tmp_path: Path, name: str) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 import subprocess
 import sys
@@ -49,19 +48,6 @@ def test_pages_have_the_version_and_its_day() -> None:
     assert _found(r"^date-released: (\S+)$", "CITATION.cff") == day
 
 
-@pytest.mark.parametrize("folder", ["src", "include", "driver", "tools", "tests/export"])
-def test_no_source_has_a_version_of_its_own(folder: str) -> None:
-    """Neither the present version nor an assignment of another one."""
-    own = re.compile(rf"(?<![\d.]){re.escape(VERSION)}(?![\d.])|__version__ = [\"']")
-    for path in sorted((ROOT / folder).rglob("*")):
-        if (
-            path.suffix in {".f90", ".F90", ".c", ".h", ".py", ".build", ".sh", ""}
-            and path.is_file()
-        ):
-            found = own.search(path.read_text(encoding="utf-8"))
-            assert not found, f"{path.relative_to(ROOT)}: {found}"
-
-
 def test_metadata() -> None:
     project = PYPROJECT["project"]
     assert project["dynamic"] == ["version"]
@@ -105,122 +91,6 @@ def test_files_of_uplot_are_the_pinned_ones() -> None:
             assert f"(v{release})" in content.decode()[:400]
 
 
-_WITHOUT_CHROMIUM = """
-root="$1"
-. "$root/tools/lib/system.sh"
-command() { [[ "$*" != *chromium ]] && builtin command "$@"; }
-may_install() { true; }
-drop_apt() { :; }
-say() { echo "says: $*"; }
-install_packages() { echo "installs: $*"; }
-install_test_packages
-"""
-
-
-@pytest.mark.parametrize(
-    ("must_run", "expected"),
-    [("0", r"says: no chromium: .* skipped"), ("1", r"installs: (.* )?chromium\n")],
-)
-def test_a_browser_is_installed_where_nothing_may_be_skipped(must_run: str, expected: str) -> None:
-    """Other machines lack its half gigabyte, and the skip is reported."""
-    done = subprocess.run(
-        ["bash", "-euc", _WITHOUT_CHROMIUM, "-", ROOT],
-        env=os.environ | {"RWMF_MUST_RUN": must_run},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert re.search(expected, done.stdout)
-    assert len(re.findall("chromium", done.stdout)) == 1
-
-
-_BUILD = """
-root="$PWD"
-for part in common build; do . "$1/tools/lib/$part.sh"; done
-cache="$PWD" venv="$1/.venv" sundials_prefix="$PWD/one"
-sundials_key() { echo "${recipe:-1}"; }
-venv_key() { echo 1; }
-build_in "$PWD/build" -Dpython=true
-"""
-_CHANGES_OF_A_BUILD = {
-    "": True,
-    "touch build/results": True,
-    "meson setup build -Dpython=true": True,
-    "meson setup build -Dpython=false --prefix=/opt/x": False,
-    "meson configure build --buildtype=debug": False,
-    "meson setup --wipe build": False,
-    "rm build/build.ninja": False,
-    ": >build/meson-private/coredata.dat": False,
-    "rm -r build/meson-private": False,
-    "rm -r build; mkdir build": False,
-    "rm -r build; touch build": False,
-    "recipe=2": False,
-    "export CC=other-cc": False,
-    "export RWMF_SUNDIALS_PREFIX=$PWD/one": False,
-}
-
-
-@pytest.fixture(scope="module")
-def small_build(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Set up a project without sources by the shell code of the tools."""
-    folder = tmp_path_factory.mktemp("project")
-    (folder / "meson.build").write_text("project('small')\n", encoding="utf-8")
-    (folder / "meson.options").write_text(
-        "option('python', type: 'boolean')\noption('sundials_prefix', type: 'string')\n",
-        encoding="utf-8",
-    )
-    (folder / "one/include/sundials").mkdir(parents=True)
-    (folder / "one/include/sundials/sundials_config.h").write_text("1", encoding="utf-8")
-    _bash(_BUILD, folder)
-    return folder
-
-
-def _bash(script: str, folder: Path) -> str:
-    path = f"{ROOT / '.venv/bin'}:{os.environ['PATH']}"
-    done = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", script, "-", ROOT],
-        cwd=folder,
-        env=os.environ | {"PATH": path},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return done.stderr
-
-
-@pytest.mark.skipif(not (ROOT / ".venv/bin/meson").exists(), reason="needs tools/bootstrap")
-@pytest.mark.parametrize(("change", "is_kept"), _CHANGES_OF_A_BUILD.items())
-def test_a_changed_build_is_repaired(change: str, is_kept: bool, small_build: Path) -> None:
-    said = _bash(f"{{ {change or 'true'}; }} >/dev/null\n{_BUILD}", small_build)
-    assert said.count("configuring build") == (not is_kept)
-    # the repair is complete, and a return to the former environment is another change
-    assert "configuring" not in _bash(f"{_BUILD}{_BUILD}", small_build).partition("\n")[2]
-    options = (small_build / "build/meson-private/cmd_line.txt").read_text(encoding="utf-8")
-    assert set(options.split("\n")[1:3]) == {
-        "python = true",
-        f"sundials_prefix = {small_build}/one",
-    }
-
-
-@pytest.mark.parametrize("page", ["howto/embedding.md", "tutorials/host-program.md"])
-def test_link_lines_leave_the_build_of_the_tools_alone(page: str) -> None:
-    folder = _found(r"meson setup (\S+) -Dpython=false", f"docs/{page}")
-    assert folder not in ("build", "build-debug", "build-sanitize", "build-races")
-    assert f"meson install -C {folder}\n" in _text(f"docs/{page}")
-
-
-def test_the_install_section_gives_two_lines() -> None:
-    """tools/wheel runs these on the source archive."""
-    section = _found(r"^## Install\n((?:.*\n)*?)## ", "README.md")
-    lines = re.findall(r"^ {4}(.*)$", section, re.MULTILINE)
-    assert lines == ["tools/bootstrap kernel", "pip install ."]
-
-
-@pytest.mark.parametrize("tool", ["wheel", "lint", "bootstrap"])
-def test_tools_are_valid_shell(tool: str) -> None:
-    subprocess.run(["bash", "-n", ROOT / "tools" / tool], check=True)
-
-
 def _interface(folder: Path, header: str) -> subprocess.CompletedProcess[str]:
     (folder / "host.h").write_text(header, encoding="utf-8")
     return subprocess.run(
@@ -247,15 +117,6 @@ def test_every_function_of_the_header_has_a_fortran_interface(tmp_path: Path) ->
     made = (tmp_path / "host.f90").read_text(encoding="utf-8")
     assert set(re.findall(r"(?:function|subroutine) (rwmf_\w+)\(.*", made)) == names
     assert max(map(len, made.splitlines())) <= 100
-
-
-@pytest.mark.parametrize(
-    "line", ["int rwmf_set(long x);", "int rwmf_set(double *const *x[2]);", "long rwmf_get(int i);"]
-)
-def test_a_header_of_another_form_is_refused(line: str, tmp_path: Path) -> None:
-    done = _interface(tmp_path, line)
-    assert done.returncode
-    assert "that this program knows" in done.stderr
 
 
 def test_pip_knows_the_optional_packages_in_a_checkout(tmp_path: Path) -> None:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import importlib.metadata
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
-from checkout import ROOT, run_words
+from checkout import ROOT
 from packaging.markers import default_environment
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
@@ -42,19 +41,6 @@ def test_every_package_has_a_version_and_hashes(name: str) -> None:
     assert all(n > 0 for _, n in locked.values())
     for wanted in _direct(name):
         assert str(wanted.specifier) == f"=={locked[canonicalize_name(wanted.name)][0]}"
-
-
-@pytest.mark.parametrize("name", _NAMES)
-def test_no_address_of_an_index(name: str) -> None:
-    for path in (_TOOLS / f"{name}.txt", _TOOLS / f"{name}.lock"):
-        assert not re.search(r"://|index-url|find-links", path.read_text(encoding="utf-8"))
-
-
-def test_packages_of_the_site_leave_the_others_as_they_are() -> None:
-    """Both locks are installed into one environment."""
-    others = _locked("requirements")
-    shared = {name: lock for name, lock in _locked("docs").items() if name in others}
-    assert {name: others[name][0] for name in shared} == {n: v for n, (v, _) in shared.items()}
 
 
 def test_what_packages_pull_in_is_locked() -> None:
@@ -96,14 +82,3 @@ def test_tools_install_packages_of_locks_only(tool: str) -> None:
     assert len(tried) == (tool == "wheel")
     for line in calls:
         assert line in tried or "--require-hashes --requirement" in " ".join(line.split())
-
-
-def test_meson_calls_the_ninja_of_the_environment(tmp_path: Path) -> None:
-    """Another one on the PATH does not read the log of the build and compiles everything again."""
-    (tmp_path / "ninja").write_text("#!/bin/sh\necho 1.11.1\n", encoding="ascii")
-    (tmp_path / "ninja").chmod(0o755)
-    program = ROOT / ".venv" / "bin"
-    words = [program / "meson", "compile", "-C", ROOT / "build", "--ninja-args=-n"]
-    found = run_words(words, tmp_path, PATH=f"{tmp_path}:/usr/bin:/bin")
-    assert found.returncode == 0, found.stderr
-    assert f" {program / 'ninja'} " in found.stdout

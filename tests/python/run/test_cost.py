@@ -7,12 +7,10 @@ import itertools
 import json
 import math
 import re
-import time
 from pathlib import Path
 
 import pytest
 import rwmf
-from checkout import ROOT
 from rwmf import _cost as cost_module
 from rwmf import cli
 from rwmf._cost import METHODS, PAPER, PRACTICES, TOLERANCES, Cost, Row, cheapest
@@ -29,7 +27,6 @@ PULSE = """&wall h = 2.0, b = 0.5 /
 """
 # tests/reference/peaks_taylor.csv: the same scene by an independent program, 12 digits
 PEAK = 0.21821276994
-INPUTS = sorted((ROOT / "inputs").glob("accuracy_*.nml"))
 FRAME = """&frame T_s = 0.7, xi_s = 0.05 /
 &motion kind = 'sine', a_max_g = 0.3, T_p = 0.9, cycles = 2 /
 &solver t_end = 3.0 /
@@ -43,12 +40,6 @@ def found() -> Cost:
 
 def test_the_reference_is_that_of_an_independent_program(found: Cost) -> None:
     assert found.reference["u_s_max_m"] == pytest.approx(PEAK, rel=1e-10)
-
-
-def test_the_reference_knows_its_own_error(found: Cost) -> None:
-    # rtol 1e-18 amplified by some impacts, far below double precision
-    assert found.reference["relative_error"] < 1e-18
-    assert found.reference["good_enough"]
 
 
 def test_the_table_of_quantities_names_what_is_reported(found: Cost) -> None:
@@ -85,28 +76,12 @@ def test_the_paper_has_rows_in_its_scenes(found: Cost, monkeypatch: pytest.Monke
         _measure.measure_method(rwmf.Case.from_text(PULSE), PAPER, 1e-6, 0.0)
 
 
-def test_the_procedures_of_today_give_few_digits(found: Cost) -> None:
-    for row in found.practices:
-        assert 1e-6 < row.relative_error < 0.05, row.method
-
-
 def test_the_recommendation_is_within_the_target_and_cheap(found: Cost) -> None:
     assert found.recommended is not None
     assert found.recommended.largest_error <= found.target
     within = [row.seconds for row in found.rows if row.largest_error <= found.target]
     # cheaper rows exist only where a tighter one of the method misses the target, or within noise
     assert found.recommended.seconds <= 3 * min(within)
-
-
-def test_luck_is_not_recommended() -> None:
-    def row(rtol: float, error: float, seconds: float) -> Row:
-        return Row("adams", rtol, error, seconds, 1, 1, 0, error, math.nan, error, False, "ok")
-
-    rows = [row(1e-3, 1e-9, 1.0), row(1e-4, 1e-5, 2.0), row(1e-5, 1e-7, 3.0), row(1e-6, 1e-8, 4.0)]
-    best = cheapest(rows, 1e-6)
-    assert best is not None
-    assert best.rtol == 1e-5
-    assert cheapest(rows, 1e-12) is None
 
 
 @pytest.mark.parametrize(
@@ -157,14 +132,6 @@ def test_repeats_that_disagree_are_reported(
     assert evaluations[0] == evaluations[1] == evaluations[2]
 
 
-def test_time_of_a_row_is_that_of_the_processor() -> None:
-    """Other programs on the machine do not count: the time is no more than that of the process."""
-    case = rwmf.Case.from_text(PULSE)
-    started = time.process_time()
-    found = _measure.measure_method(case, "dop853", 1e-10, 0.02)
-    assert 0 < found.seconds <= time.process_time() - started
-
-
 def test_work_is_drawn_over_time_and_over_evaluations(found: Cost) -> None:
     pytest.importorskip("matplotlib")
     for over in ("seconds", "rhs_evaluations"):
@@ -173,15 +140,6 @@ def test_work_is_drawn_over_time_and_over_evaluations(found: Cost) -> None:
         assert list(drawn) == [getattr(row, over) for row in rows]
     with pytest.raises(rwmf.InputError, match="over = 'steps': must be one of seconds, rhs"):
         rwmf.plot.work_precision(found, over="steps")
-
-
-def test_a_frame_alone_has_no_impacts() -> None:
-    found = rwmf.cost(rwmf.Case.from_text(FRAME), target=1e-4)
-    assert found.target == 1e-4
-    assert found.reference["peak"] == "u_s_max_m"
-    assert all(math.isnan(row.impact_time_error_s) for row in found.rows)
-    tight = [row for row in found.rows if row.method == "dop853" and row.rtol < 1e-12]
-    assert tight[0].relative_error < 1e-13
 
 
 def test_of_a_demand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -204,31 +162,6 @@ def test_of_a_demand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
         rwmf.cost(rwmf.Case.from_text(PULSE), quantity="storey_drift_max")
 
 
-def test_twice_the_intervals_are_the_same_motion() -> None:
-    case = rwmf.Case.from_namelist(ROOT / "inputs" / "accuracy_elcentro_2s.nml")
-    reference = _measure.solve_reference(case, 1e-15, 1e-16)
-    ours = _measure.measure_method(case, "dop853", 1e-12, 0.0)
-    assert ours.values["u_s_max_m"] == pytest.approx(reference.values["u_s_max_m"], rel=1e-12)
-    assert 0 < reference.differences["u_s_max_m"] < 1e-15
-
-
-@pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
-def test_the_shipped_cases_ask_a_question_and_run(path: Path) -> None:
-    text = path.read_text(encoding="utf-8")
-    assert "?" in text.split("!\n")[0]
-    case = rwmf.Case.from_namelist(path)
-    assert "formulation" in case.model.given
-    result = rwmf.simulate(case)
-    assert not bool(result["overturned"])
-    assert 0 < float(result["theta_max_over_alpha"]) < 1
-
-
-def test_the_block_stands_just_below_overturning() -> None:
-    text = (ROOT / "inputs" / "accuracy_block_near_overturning.nml").read_text(encoding="utf-8")
-    stronger = rwmf.Case.from_text(text.replace("a_max_g = 0.742 ", "a_max_g = 0.743 "))
-    assert bool(rwmf.simulate(stronger)["overturned"])
-
-
 @pytest.mark.parametrize("target", [0.0, 1.0, -1e-3, math.nan])
 def test_a_target_is_between_0_and_1(target: float) -> None:
     with pytest.raises(rwmf.InputError, match="target"):
@@ -243,18 +176,6 @@ def test_a_run_of_no_duration_has_no_cost(tmp_path: Path) -> None:
     ) as error:
         rwmf.cost(rwmf.Case.from_namelist(path))
     assert str(error.value).startswith(str(path))
-
-
-@pytest.mark.parametrize("rtol", [math.nan, math.inf, 0.0, -1e-6, 1.0])
-def test_a_tolerance_is_between_0_and_1(rtol: float) -> None:
-    with pytest.raises(rwmf.InputError, match="rtol"):
-        _measure.measure_method(rwmf.Case.from_text(FRAME), "adams", rtol, 0.0)
-
-
-@pytest.mark.parametrize("divisor", [math.nan, math.inf, 0.0, -1.0])
-def test_a_step_has_a_length(divisor: float) -> None:
-    with pytest.raises(rwmf.InputError, match="dt = "):
-        _measure.measure_fixed_steps(rwmf.Case.from_text(FRAME), "rk4", divisor, 0.0)
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import random
-import signal
-import subprocess
-import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -323,104 +318,6 @@ def test_files_that_are_refused(text: str, message: str, tmp_path: Path) -> None
     path.write_text(text, encoding="ascii")
     with pytest.raises(InputError, match=f"{path.name}.*{message.removeprefix('p.csv')}"):
         rwmf.sweep(coupled(), points=path)
-
-
-class TestFiles:
-    """Journals, parts and engines of sweeps over points: the bytes are always the same."""
-
-    @pytest.fixture(autouse=True)
-    def _needs_netcdf(self) -> None:
-        pytest.importorskip("h5netcdf")
-
-    def _sweep(self, file: Path | None, points: object = None, **how: object) -> xr.Dataset:
-        table = _design(30) | {"formulation": np.array(["exact", "published", "symmetric"] * 10)}
-        grid = {"e": [0.8, 0.9]}
-        del table["e"]
-        found = rwmf.sweep(
-            coupled(solver=QUICK), grid, file=file, points=points or table, chunk=4, **how
-        )
-        with found:
-            return found.load()
-
-    def test_file_is_what_memory_has(self, tmp_path: Path) -> None:
-        """Labels, texts and attributes included."""
-        xr.testing.assert_identical(self._sweep(tmp_path / "a.nc"), self._sweep(None))
-        assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
-
-    def test_interrupted_and_resumed(self, tmp_path: Path) -> None:
-        """The journal stores its table."""
-
-        def interrupt(done: int, _: int) -> None:
-            if done >= 20:
-                raise KeyboardInterrupt
-
-        self._sweep(tmp_path / "whole.nc")
-        path = tmp_path / "a.nc"
-        with pytest.raises(rwmf.Interrupted, match="chunks are kept"):
-            self._sweep(path, progress=interrupt, threads=1)
-        journal = tmp_path / "a.nc.journal"
-        with pytest.raises(InputError, match=r"(?s)another sweep.*-columns \(SHA-256"):
-            other = _design(30) | {"formulation": np.array(["published", "exact", "exact"] * 10)}
-            del other["e"]
-            self._sweep(path, other)
-        assert journal.exists()
-        reports: list[int] = []
-        self._sweep(path, progress=lambda done, _: reports.append(done))
-        assert reports[0] >= 20
-        assert path.read_bytes() == (tmp_path / "whole.nc").read_bytes()
-
-    def test_parts_and_processes(self, tmp_path: Path) -> None:
-        """A merge takes the table from the journals."""
-        self._sweep(tmp_path / "whole.nc")
-        path = tmp_path / "a.nc"
-        with open_executor("processes", 2) as executor:
-            for k in (2, 1):
-                self._sweep(path, part=(k, 2), executor=executor)
-        rwmf.merge(sorted(tmp_path.glob("*.journal")), path).close()
-        assert path.read_bytes() == (tmp_path / "whole.nc").read_bytes()
-
-
-@pytest.mark.slow
-def test_a_sample_that_is_killed_ten_times(elcentro: Path, tmp_path: Path) -> None:
-    """Rows of two records from a file; whatever was killed, the bytes are those of one run."""
-    pytest.importorskip("h5netcdf")
-    coupled(solver={"t_end": 6.0, "method": "dop853"}).to_namelist(tmp_path / "case.nml")
-    n = 600
-    words = np.random.default_rng(4).choice(["elcentro", "twice"], n)
-    (tmp_path / "elcentro.csv").write_bytes(elcentro.read_bytes())
-    (tmp_path / "twice.csv").write_bytes(elcentro.read_bytes() + b"\n")
-    _write_csv(tmp_path / "points.csv", dict(_design(n)) | {"record": words})
-    (tmp_path / "sweep.nml").write_text(
-        "&sweep case = 'case.nml', points = 'points.csv', unit = 'g', chunk = 8\n"
-        " records = 'elcentro.csv', 'twice.csv' /\n&grid t_end = 6 /\n",
-        encoding="ascii",
-    )
-    started = time.perf_counter()
-    process = _start(tmp_path, "whole.nc")
-    _, errors = process.communicate()
-    seconds = time.perf_counter() - started
-    assert process.returncode == 0, errors
-    chance = random.Random(9)
-    for _ in range(10):
-        process = _start(tmp_path, "out.nc")
-        time.sleep(chance.uniform(0.3, 0.9) * seconds)
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
-    process = _start(tmp_path, "out.nc")
-    output, errors = process.communicate()
-    assert process.returncode == 0, errors
-    assert f"{n} runs ({n} point x 1 t_end)" in output
-    assert (tmp_path / "out.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
-
-
-def _start(folder: Path, name: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "rwmf", "sweep", "sweep.nml", "--out", name],
-        cwd=folder,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
 
 
 def _keys_of_a_scene() -> list[str]:

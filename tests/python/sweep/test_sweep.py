@@ -207,32 +207,6 @@ def test_letters_and_groups_of_an_axis_do_not_matter() -> None:
     xr.testing.assert_identical(rwmf.sweep(case, {"ETA": pairs}), rwmf.sweep(case, {"eta": pairs}))
 
 
-def test_letters_of_quantities_do_not_matter() -> None:
-    case = coupled(solver=QUICK | {"t_end": 2.0})
-    for names in (["u_s_max", "impacts"], ["U_s_Max", "IMPACTS"], ["u_s_max_m", "Impacts"]):
-        found = rwmf.sweep(case, quantities=names)
-        assert list(found) == ["u_s_max", "impacts", "status"]
-        found = rwmf.spectrum(case, T_s=[1.0], quantities=names)
-        assert list(found) == ["u_s_max", "impacts", "status"]
-    written = case.replace(spectrum={"T_s": [1.0], "quantities": ["U_S_MAX_M", "impacTS"]})
-    assert list(rwmf.spectrum(written)) == ["u_s_max", "impacts", "status"]
-    with pytest.raises(InputError, match="twice"):
-        case.replace(spectrum={"T_s": [1.0], "quantities": ["U_S_MAX_M", "u_s_max_m"]})
-
-
-def test_letters_of_groups_and_keys_do_not_matter() -> None:
-    case = coupled()
-    upper = rwmf.Case(
-        **{
-            name.upper(): {key.upper(): group[key] for key in group.given}
-            for name, group in case.groups.items()
-        }
-    )
-    assert upper == case
-    assert case.FRAME.t_S == case.frame.T_s
-    assert case.Fuse is None
-
-
 @pytest.mark.parametrize(
     ("grid", "message"),
     [

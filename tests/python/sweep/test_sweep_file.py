@@ -29,16 +29,6 @@ def _write(folder: Path, sweep: str, grid: str) -> None:
     (folder / "s.nml").write_text(f"&sweep {sweep} /\n&grid {grid} /\n", encoding="utf-8")
 
 
-def test_letters_of_keys_do_not_matter(folder: Path) -> None:
-    _write(folder, "case='case.nml', quantities='u_s_max','impacts'", "eta=1,5,0,0  T_s=0.5,1.0")
-    assert cli.main(["sweep", "s.nml", "--out", "small.nc"]) == 0
-    _write(folder, "CASE='case.nml', Quantities='U_S_MAX','Impacts'", "ETA=1,5,0,0  frame.T_S=.5,1")
-    assert cli.main(["sweep", "s.nml", "--out", "large.nc"]) == 0
-    with xr.open_dataset("small.nc") as small, xr.open_dataset("large.nc") as large:
-        assert small.sizes["T_s"] == small.sizes["eta"] == 2
-        xr.testing.assert_identical(small, large)
-
-
 def test_a_key_in_two_spellings_stands_twice(folder: Path, command: Runner) -> None:
     _write(folder, "case='case.nml', CASE='other.nml'", "e=0.9")
     found = command("sweep", "s.nml")

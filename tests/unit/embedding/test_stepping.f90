@@ -53,8 +53,9 @@ program test_stepping
    use host_sine, only: gap_t, sine_t
    use rwmf, only: advance_stepping, case_t, create_element, create_stepping, destroy_stepping, &
       element_response_t, err_input, err_numerical, error_t, event_impact, event_t, i8, &
-      query_events, query_forces, query_state, respond, restore_stepping, result_t, save_stepping, &
-      simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, wall_state_t, wp
+      query_events, query_forces, query_state, respond, restore_stepping, result_t, &
+      save_stepping, simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, &
+      wall_state_t, wp
    use rwmf_core_kinds, only: pi
    use rwmf_problem_case, only: devices_t, inerter_t
    use scenes, only: frame_scene, rwmf_scene
@@ -71,7 +72,6 @@ program test_stepping
    do i = 1, size(methods)
       if (checks%wants('pieces')) call test_pieces(trim(methods(i)), i > 3, 0.0_wp)
       if (checks%wants('pieces')) call test_pieces(trim(methods(i)), i > 3, 0.65_wp)
-      if (checks%wants('rejected_step')) call test_rejected_step(trim(methods(i)))
       if (checks%wants('motion_with_gap')) call test_motion_with_gap(trim(methods(i)), 5.0_wp)
       if (checks%wants('motion_with_gap')) call test_motion_with_gap(trim(methods(i)), 0.1_wp)
    end do
@@ -82,9 +82,6 @@ program test_stepping
    if (checks%wants('forces')) call test_forces(has_corners=.true.)
    if (checks%wants('bad_calls')) call test_bad_calls()
    if (checks%wants('failure_takes_back')) call test_failure_takes_back()
-   if (checks%wants('interleaved')) call test_interleaved()
-   if (checks%wants('threads')) call test_threads()
-   if (checks%wants('many')) call test_many()
    call checks%finish()
 
 contains
@@ -172,42 +169,6 @@ contains
       call checks%no_error(error, 'pieces')
       call destroy_stepping(wall)
    end subroutine run_in_pieces
-
-   !> Save, advance, restore, advance gives the same bits.
-   subroutine test_rejected_step(method)
-      character(*), intent(in) :: method
-      type(case_t) :: case
-      type(stepping_t) :: wall
-      type(snapshot_t) :: snapshot
-      type(wall_state_t) :: first
-      type(wall_state_t) :: second
-      type(error_t), allocatable :: error
-      logical :: equal
-      integer :: k
-
-      case = record_scene(method)
-      call create_stepping(wall, case, error)
-      equal = .true.
-      associate (t => case%record%t, a => case%record%a)
-         do k = 1, n - 5, 5
-            if (allocated(error)) exit
-            call save_stepping(wall, snapshot, error)
-            call advance_stepping(wall, t(k:k + 5), -a(k:k + 5), error)
-            if (.not. allocated(error)) call restore_stepping(wall, snapshot, error)
-            if (.not. allocated(error)) call advance_stepping(wall, t(k:k + 5), a(k:k + 5), error)
-            if (.not. allocated(error)) call query_state(wall, first, error)
-            if (.not. allocated(error)) call restore_stepping(wall, snapshot, error)
-            if (.not. allocated(error)) call advance_stepping(wall, t(k:k + 5), a(k:k + 5), error)
-            if (.not. allocated(error)) call query_state(wall, second, error)
-            equal = equal .and. same_bits([first%theta, first%theta_dot, first%u_s_max], &
-               [second%theta, second%theta_dot, second%u_s_max]) &
-               .and. first%impacts == second%impacts .and. first%steps == second%steps
-         end do
-      end associate
-      call checks%no_error(error, method//': rejected steps')
-      call checks%that(equal, method//': a repeated step has the same bits')
-      call destroy_stepping(wall)
-   end subroutine test_rejected_step
 
    !> With the case's own pulse, cuts at its knots give the bits of one run; other cuts its digits.
    subroutine test_own_motion()
@@ -425,87 +386,6 @@ contains
       call checks%no_error(error, 'after a failure')
       call destroy_stepping(wall)
    end subroutine test_failure_takes_back
-
-   !> Two walls that advance in turns do not influence each other.
-   subroutine test_interleaved()
-      type(case_t) :: case(2)
-      type(stepping_t) :: wall(2)
-      type(wall_state_t) :: alone(2)
-      type(wall_state_t) :: together(2)
-      type(error_t), allocatable :: error
-      integer(i8) :: impacts
-      integer :: first
-      integer :: last
-      integer :: k
-
-      case(1) = record_scene('adams')
-      case(2) = record_scene('dop853')
-      case(2)%frame%gamma = 50
-      do k = 1, 2
-         call run_in_pieces(case(k), alone(k), impacts)
-         call create_stepping(wall(k), case(k), error)
-      end do
-      first = 1
-      do while (first < n)
-         last = min(n, first + 1 + mod(first, 6))
-         do k = 1, 2
-            call advance_stepping(wall(k), case(k)%record%t(first:last), &
-               case(k)%record%a(first:last), error)
-         end do
-         first = last
-      end do
-      do k = 1, 2
-         call query_state(wall(k), together(k), error)
-         call destroy_stepping(wall(k))
-         call checks%that(same_bits([alone(k)%theta, alone(k)%theta_dot], &
-            [together(k)%theta, together(k)%theta_dot]), 'two walls in turns')
-      end do
-   end subroutine test_interleaved
-
-   !> Equal bits in every thread.
-   subroutine test_threads()
-      integer, parameter :: runs = 64
-      type(case_t) :: case
-      real(wp) :: theta(runs)
-      integer :: k
-
-      case = record_scene('adams')
-      !$omp parallel do num_threads(8) schedule(dynamic)
-      do k = 1, runs
-         theta(k) = final_rotation(case)
-      end do
-      !$omp end parallel do
-      call checks%that(same_bits(theta, spread(theta(1), 1, runs)), 'eight threads')
-   end subroutine test_threads
-
-   real(wp) function final_rotation(case) result(theta)
-      type(case_t), intent(in) :: case
-      type(stepping_t) :: wall
-      type(wall_state_t) :: state
-      type(error_t), allocatable :: error
-
-      call create_stepping(wall, case, error)
-      call advance_stepping(wall, case%record%t(:150), case%record%a(:150), error)
-      call query_state(wall, state, error)
-      theta = state%theta
-      call destroy_stepping(wall)
-   end function final_rotation
-
-   !> Create and destroy many walls (the test with valgrind would find a leak).
-   subroutine test_many()
-      type(case_t) :: case
-      type(stepping_t) :: wall
-      type(error_t), allocatable :: error
-      integer :: k
-
-      do k = 1, 500
-         case = record_scene(trim(methods(1 + mod(k, 5))))
-         call create_stepping(wall, case, error)
-         call advance_stepping(wall, case%record%t(:3), case%record%a(:3), error)
-         call destroy_stepping(wall)
-      end do
-      call checks%no_error(error, 'many walls')
-   end subroutine test_many
 
    !> True if the reals are equal to the last bit.
    logical function same_bits(a, b)

@@ -1,13 +1,10 @@
 !> Frames with the smooth hysteresis of Bouc and Wen: closed forms, limits, energy.
 program test_bouc_wen
    use check, only: checks_t
-   use hosts, only: repeats_the_bits
-   use ledgers, only: check_ledger
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: wp
    use rwmf_input_reader, only: read_case_text
-   use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, &
-      virgin_displacement
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, virgin_displacement
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: result_t
@@ -27,14 +24,6 @@ program test_bouc_wen
    if (checks%wants('passage_at_impact')) call check_passage_at_impact()
    if (checks%wants('standstill')) call check_standstill()
    if (checks%wants('elastic_limit')) call check_elastic_limit()
-   if (checks%wants('sharp_limit')) call check_sharp_limit(.false., 'bare frame')
-   if (checks%wants('sharp_limit')) call check_sharp_limit(.true., 'wall and frame')
-   call check_energy(frame_scene(0.7_wp, 'dop853'), 'bare frame')
-   call check_energy(rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853'), 'exact')
-   call check_energy(rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'dop853'), 'symmetric')
-   if (checks%wants('methods')) call check_methods()
-   if (checks%wants('mirror')) call check_mirror()
-   if (checks%wants('stepping')) call check_stepping()
    if (checks%wants('refusals')) call check_refusals()
    call checks%finish()
 
@@ -316,100 +305,6 @@ contains
       call simulate(case, elastic, error)
       call checks%close_to(result%u_s_max, elastic%u_s_max, 'elastic limit', rtol=1.0e-9_wp)
    end subroutine check_elastic_limit
-
-   !> Compare the limit n -> infinity with the elastic-plastic law. The knee lowers the force by a
-   !> share of 1/n over a share of 1/n of the displacement. The difference therefore falls as
-   !> 1/n**2.
-   subroutine check_sharp_limit(with_wall, name)
-      logical, intent(in) :: with_wall
-      character(*), intent(in) :: name
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: sharp
-      type(error_t), allocatable :: error
-      real(wp) :: difference(2)
-      integer :: i
-
-      case = frame_scene(0.7_wp, 'dop853')
-      if (with_wall) case = rwmf_scene('exact', 5.0_wp, 0.7_wp, 'dop853')
-      case = hysteretic(case, 0.03_wp, 0.05_wp, 1.0_wp, 0.5_wp)
-      case%solver%t_end = 2
-      case%yielding%law%name = 'elastic_plastic'
-      call simulate(case, sharp, error)
-      call checks%no_error(error, 'elastic-plastic')
-      call checks%that(sharp%ductility > 1.5_wp, 'it yields, '//name)
-      case%yielding%law%name = 'bouc_wen'
-      do i = 1, 2
-         case%yielding%law%exponent = 200.0_wp*2**i
-         call simulate(case, result, error)
-         call checks%no_error(error, 'sharp knee')
-         difference(i) = result%u_s_max - sharp%u_s_max
-      end do
-      call checks%close_to(difference(2)/sharp%u_s_max, 0.0_wp, 'sharp knee, '//name, &
-         atol=1.0e-5_wp)
-      call checks%close_to(difference(1)/difference(2), 4.0_wp, 'order of it, '//name, &
-         atol=0.3_wp)
-      call checks%close_to(result%residual_displacement, sharp%residual_displacement, &
-         'residual displacement of it, '//name, rtol=1.0e-3_wp)
-   end subroutine check_sharp_limit
-
-   !> Check the energy balance: input = stored + dissipated + impact.
-   subroutine check_energy(scene, name)
-      type(case_t), intent(in) :: scene
-      character(*), intent(in) :: name
-      type(result_t) :: result
-
-      if (.not. checks%wants('energy, '//name)) return
-      call check_ledger(checks, hysteretic(scene, 0.03_wp, 0.05_wp, 3.0_wp, 0.6_wp), 1.0e-8_wp, &
-         'energy, '//name, result)
-      call checks%that(result%ductility > 2, 'it yields, '//name)
-      call checks%that(result%energy%hysteretic > 0, 'and dissipates, '//name)
-   end subroutine check_energy
-
-   !> Check that all methods agree.
-   subroutine check_methods()
-      character(6), parameter :: methods(3) = [character(6) :: 'adams', 'bdf', 'taylor']
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: other
-      type(error_t), allocatable :: error
-      integer :: i
-
-      case = hysteretic(rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853'), 0.04_wp, 0.1_wp, 2.0_wp, &
-         0.5_wp)
-      call simulate(case, result, error)
-      do i = 1, size(methods)
-         case%solver%method = trim(methods(i))
-         call simulate(case, other, error)
-         call checks%no_error(error, trim(methods(i)))
-         call checks%close_to(other%u_s_max, result%u_s_max, trim(methods(i)), rtol=1.0e-7_wp)
-      end do
-   end subroutine check_methods
-
-   !> Check that the mirrored motion gives the mirrored response.
-   subroutine check_mirror()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: mirrored
-      type(error_t), allocatable :: error
-
-      case = hysteretic(rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'dop853'), 0.04_wp, 0.1_wp, &
-         2.0_wp, 0.5_wp)
-      call simulate(case, result, error)
-      case%motion%a_max_g = -case%motion%a_max_g
-      call simulate(case, mirrored, error)
-      call checks%no_error(error, 'mirror')
-      call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0), 'mirror')
-   end subroutine check_mirror
-
-   !> Check that a host that rejects steps obtains the same bits.
-   subroutine check_stepping()
-      type(case_t) :: case
-
-      case = hysteretic(rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853'), 0.04_wp, 0.1_wp, 2.0_wp, &
-         0.5_wp)
-      call checks%that(repeats_the_bits(case, 0.05_wp, 100), 'a repeated step has the same bits')
-   end subroutine check_stepping
 
    !> Check that incompatible inputs are refused.
    subroutine check_refusals()

@@ -1,8 +1,9 @@
 !> Springs with memory, one by one along random paths and as part of a scene.
 program test_memory
    use check, only: checks_t
-   use rwmf, only: advance_stepping, create_stepping, destroy_stepping, query_forces, query_state, &
-      restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, wall_state_t
+   use rwmf, only: advance_stepping, create_stepping, destroy_stepping, query_forces, &
+      query_state, restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, &
+      wall_state_t
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_bilinear_spring, only: is_broken
@@ -35,8 +36,6 @@ program test_memory
    if (checks%wants('frame_force')) call check_frame_force()
    if (checks%wants('initial_beyond_yield')) call check_initial_beyond_yield()
    do i = 1, size(methods)
-      if (checks%wants('ledger')) call check_ledger(trim(methods(i)), 'symmetric')
-      if (checks%wants('ledger')) call check_ledger(trim(methods(i)), 'exact')
       if (checks%wants('rejected_step')) call check_rejected_step(trim(methods(i)))
    end do
    if (checks%wants('shear')) call check_shear()
@@ -359,25 +358,6 @@ contains
          call close_ledger(result, 'initial rotation beyond yield')
       end do
    end subroutine check_initial_beyond_yield
-
-   subroutine check_ledger(method, formulation)
-      character(*), intent(in) :: method
-      character(*), intent(in) :: formulation
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-
-      case = sprung(formulation, method)
-      case%cable%rupture_strain = [0.1_wp]
-      allocate (case%output)
-      case%output%energy = .true.
-      call simulate(case, result, error)
-      call checks%no_error(error, method//', '//formulation)
-      if (allocated(error)) return
-      call checks%that(result%ductility > 1 .and. result%prestress_loss > 0, &
-         method//', '//formulation//': everything yields')
-      call close_ledger(result, method//', '//formulation)
-   end subroutine check_ledger
 
    subroutine close_ledger(result, name)
       type(result_t), intent(in) :: result

@@ -1,8 +1,6 @@
 !> Frames of several storeys, closed forms of their modes, and both couplings with the wall.
 program test_storeys
    use check, only: checks_t
-   use hosts, only: repeats_the_bits
-   use ledgers, only: check_ledger
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
@@ -14,52 +12,22 @@ program test_storeys
    use rwmf_problem_shear_frame, only: damping_matrix, find_modes, modal_height, modal_mass, &
       roof_factor, shear_frame_t
    use rwmf_simulation_simulate, only: simulate
-   use rwmf_simulation_state_result, only: event_branch, event_lift_off, event_rest, result_t
-   use rwmf_spectrum_ordinates, only: compute_spectrum, spectrum_t
+   use rwmf_simulation_state_result, only: event_lift_off, result_t
    use rwmf_text_strings, only: real_to_text
-   use scenes, only: frame_scene, rwmf_scene
+   use scenes, only: rwmf_scene
    implicit none
 
-   character(9), parameter :: formulations(3) = [character(9) :: 'published', 'symmetric', 'exact']
-   character(15), parameter :: laws(2) = [character(15) :: 'elastic_plastic', 'bouc_wen']
    type(checks_t) :: checks
-   integer :: i
 
    if (checks%wants('uniform_frame')) call check_uniform_frame()
    if (checks%wants('damping_matrix')) call check_damping_matrix()
-   do i = 1, size(formulations)
-      if (checks%wants('one_storey')) call check_one_storey('reduced', trim(formulations(i)))
-      if (checks%wants('one_storey')) call check_one_storey('full', trim(formulations(i)))
-      if (checks%wants('one_storey')) call check_one_storey('every_floor', trim(formulations(i)))
-   end do
    if (checks%wants('every_floor')) call check_every_floor()
    if (checks%wants('links_of_every_floor')) call check_links_of_every_floor()
    if (checks%wants('link_spring')) call check_link_spring()
-   if (checks%wants('modal_superposition')) call check_modal_superposition()
-   if (checks%wants('reduced_bare_frame')) call check_reduced_bare_frame()
-   if (checks%wants('stiff_storeys')) call check_stiff_storeys()
    if (checks%wants('lift_off_from_moving_rest')) call check_lift_off_from_moving_rest()
-   if (checks%wants('energy')) call check_energy('exact', 0.5_wp)
-   if (checks%wants('energy')) call check_energy('symmetric', 0.0_wp)
-   if (checks%wants('energy')) call check_energy('exact', 0.9_wp)
-   if (checks%wants('mirror')) call check_mirror()
    if (checks%wants('roof_takes_the_impact')) call check_roof_takes_the_impact()
-   if (checks%wants('stepping')) call check_stepping()
-   if (checks%wants('spectrum')) call check_spectrum()
-   if (checks%wants('strong_storeys')) call check_strong_storeys()
-   do i = 1, size(formulations)
-      call check_one_yielding_storey('full', 'elastic_plastic', trim(formulations(i)))
-      call check_one_yielding_storey('full', 'bouc_wen', trim(formulations(i)))
-      call check_one_yielding_storey('every_floor', 'elastic_plastic', trim(formulations(i)))
-   end do
    if (checks%wants('storeys_of_a_line')) call check_storeys_of_a_line()
    if (checks%wants('pushed_storeys')) call check_pushed_storeys()
-   do i = 1, size(laws)
-      call check_yielding_mirror(trim(laws(i)))
-      call check_yielding_energy(trim(laws(i)), 'symmetric', 0.0_wp)
-      call check_yielding_energy(trim(laws(i)), 'exact', 0.9_wp)
-      call check_yielding_stepping(trim(laws(i)))
-   end do
    if (checks%wants('refusals')) call check_refusals()
    call checks%finish()
 
@@ -138,27 +106,6 @@ contains
       c(3, 3) = c(3, 3) - 0.14_wp*frame%omega(3)
       call checks%close_to(maxval(abs(c)), 0.0_wp, 'modal damping', atol=1.0e-12_wp)
    end subroutine check_damping_matrix
-
-   !> Compare a frame of one storey with the ordinary frame.
-   subroutine check_one_storey(coupling, formulation)
-      character(*), intent(in) :: coupling
-      character(*), intent(in) :: formulation
-      type(case_t) :: case
-      type(result_t) :: storey
-      type(result_t) :: ordinary
-      type(error_t), allocatable :: error
-
-      case = uniform_case(1, 5.0_wp, 1.2_wp, coupling, formulation, 'dop853')
-      call checks%close_to(case%frame%gamma, 5.0_wp, 'mass of one storey', rtol=1.0e-14_wp)
-      call simulate(case, storey, error)
-      call checks%no_error(error, 'one storey')
-      deallocate (case%frame%floors)
-      call simulate(case, ordinary, error)
-      call checks%close_to(storey%u_s_max, ordinary%u_s_max, 'one storey, '//coupling//', ' &
-         //formulation, rtol=1.0e-10_wp)
-      call checks%close_to(storey%final_state(1), ordinary%final_state(1), &
-         'rotation, one storey, '//coupling//', '//formulation, atol=1.0e-9_wp)
-   end subroutine check_one_storey
 
    !> Check the coupling at every floor. A straight line that turns by a small angle has, about the
    !> base, the inertia sum(m z**2), the stiffness sum(k h**2) and the excitation sum(m z). The
@@ -255,98 +202,6 @@ contains
       call destroy_stepping(stepping)
    end subroutine check_link_spring
 
-   !> Compare the roof displacement without wall with modal superposition. Each mode contributes the
-   !> response of an oscillator of its period, times its participation factor.
-   subroutine check_modal_superposition()
-      type(case_t) :: case
-      type(case_t) :: mode
-      type(result_t) :: result
-      type(result_t) :: part
-      type(error_t), allocatable :: error
-      real(wp) :: roof(2)
-      integer :: j
-
-      case = bare_case('full')
-      call simulate(case, result, error)
-      call checks%no_error(error, 'bare frame')
-      roof = 0
-      do j = 1, 3
-         mode = frame_scene(2*pi/case%frame%floors%omega(j), 'dop853')
-         mode%solver = case%solver
-         call simulate(mode, part, error)
-         roof = roof + roof_factor(case%frame%floors, j)*part%final_state(:2)
-      end do
-      call checks%close_to(result%final_state(1), roof(1), 'modal superposition', rtol=1.0e-8_wp)
-      call checks%close_to(result%final_state(2), roof(2), 'velocity of it', rtol=1.0e-8_wp)
-   end subroutine check_modal_superposition
-
-   !> Compare the roof displacement of the reduced frame with the first mode's oscillator, times its
-   !> participation factor.
-   subroutine check_reduced_bare_frame()
-      type(case_t) :: case
-      type(case_t) :: mode
-      type(result_t) :: result
-      type(result_t) :: part
-      type(error_t), allocatable :: error
-
-      case = bare_case('reduced')
-      call simulate(case, result, error)
-      call checks%no_error(error, 'reduced bare frame')
-      mode = frame_scene(2*pi/case%frame%floors%omega(1), 'dop853')
-      mode%solver = case%solver
-      call simulate(mode, part, error)
-      call checks%close_to(result%u_s_max, roof_factor(case%frame%floors, 1)*part%u_s_max, &
-         'reduced bare frame', rtol=1.0e-9_wp)
-   end subroutine check_reduced_bare_frame
-
-   function bare_case(coupling) result(case)
-      character(*), intent(in) :: coupling
-      type(case_t) :: case
-      type(error_t), allocatable :: error
-
-      case = frame_scene(1.0_wp, 'dop853')
-      case%solver%t_end = 1.7_wp
-      case%solver%rtol = 1.0e-11_wp
-      allocate (case%frame%floors)
-      case%frame%coupling = coupling
-      case%frame%floors%m = [3.0_wp, 2.0_wp, 1.0_wp]
-      case%frame%floors%k = [600.0_wp, 500.0_wp, 300.0_wp]
-      case%frame%floors%height = [3.0_wp, 3.0_wp, 3.0_wp]
-      call set_equivalent_frame(case, error)
-      call checks%no_error(error, 'bare frame')
-   end function bare_case
-
-   !> Check stiff upper storeys, for which all floors move with the roof. The limit is the ordinary
-   !> frame with the whole mass. The difference falls with the flexibility, by a factor of four each
-   !> time.
-   subroutine check_stiff_storeys()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      real(wp) :: difference(2)
-      integer :: i
-
-      do i = 1, 2
-         case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'exact', 'dop853')
-         case%frame%floors%k = [240.0_wp, 60000.0_wp*4**i, 60000.0_wp*4**i]
-         call set_equivalent_frame(case, error)
-         case%frame%xi_s = 0
-         case%impact%e = 1
-         case%solver%t_end = 1.5_wp
-         call simulate(case, result, error)
-         call checks%no_error(error, 'stiff storeys')
-         difference(i) = result%u_s_max
-         deallocate (case%frame%floors)
-         case%frame%gamma = 6
-         case%frame%T_s = 2*pi*sqrt(6/240.0_wp)
-         call simulate(case, result, error)
-         difference(i) = difference(i) - result%u_s_max
-      end do
-      call checks%close_to(difference(2), 0.0_wp, 'stiff storeys', atol=1.0e-3_wp*result%u_s_max)
-      call checks%close_to(difference(1)/difference(2), 4.0_wp, 'order of stiff storeys', &
-         atol=0.4_wp)
-   end subroutine check_stiff_storeys
-
    !> Check lift-off of a wall with two undamped storeys under a sine that begins gently. While the
    !> wall rests, the floor is an oscillator between two springs, with a known response to the sine.
    !> At lift-off the moments about the corner balance.
@@ -380,38 +235,6 @@ contains
       call checks%that(t > 0.01_wp, 'after a time of rest')
    end subroutine check_lift_off_from_moving_rest
 
-   !> Check the energy balance, with rests in between: input = stored + viscous + impact.
-   subroutine check_energy(formulation, e)
-      character(*), intent(in) :: formulation
-      real(wp), intent(in) :: e
-      type(case_t) :: case
-      type(result_t) :: result
-
-      case = uniform_case(4, 2.0_wp, 1.0_wp, 'full', formulation, 'dop853')
-      case%impact%e = e
-      allocate (case%output)
-      case%output%dt = 0.1_wp
-      call check_ledger(checks, case, 1.0e-9_wp, 'energy of storeys', result)
-      if (e > 0.6_wp) return
-      call checks%that(any(result%events%kind == event_rest), 'the wall comes to rest')
-      if (e <= 0) call checks%that(result%lift_offs > 1, 'and lifts off again')
-   end subroutine check_energy
-
-   !> Check that the mirrored motion gives the mirrored response.
-   subroutine check_mirror()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: mirrored
-      type(error_t), allocatable :: error
-
-      case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'symmetric', 'dop853')
-      call simulate(case, result, error)
-      case%motion%a_max_g = -case%motion%a_max_g
-      call simulate(case, mirrored, error)
-      call checks%no_error(error, 'mirror')
-      call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0), 'mirror')
-   end subroutine check_mirror
-
    !> Check that only the roof mass takes part in an impact of the wall.
    subroutine check_roof_takes_the_impact()
       type(case_t) :: case
@@ -425,33 +248,6 @@ contains
       call checks%close_to(result%e, restitution_momentum(atan(0.25_wp), 2.5_wp, 0.0_wp), &
          'restitution with the mass of the roof', rtol=1.0e-14_wp)
    end subroutine check_roof_takes_the_impact
-
-   !> Check that a host that rejects steps obtains the same bits.
-   subroutine check_stepping()
-      type(case_t) :: case
-
-      case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'exact', 'dop853')
-      case%impact%e = 0.3_wp
-      call checks%that(repeats_the_bits(case, 0.02_wp, 200), 'a repeated step has the same bits')
-   end subroutine check_stepping
-
-   !> Check that a spectrum scales the stiffnesses to give the frame the period of the ordinate.
-   subroutine check_spectrum()
-      type(case_t) :: case
-      type(spectrum_t) :: spectrum
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-
-      case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'exact', 'dop853')
-      allocate (case%spectrum)
-      case%spectrum%T_s = [0.7_wp, 1.0_wp]
-      call compute_spectrum(case, 1, spectrum, error)
-      call checks%no_error(error, 'spectrum')
-      case = uniform_case(3, 2.0_wp, 0.7_wp, 'full', 'exact', 'dop853')
-      call simulate(case, result, error)
-      call checks%close_to(spectrum%values(1, 1, 1, 1), result%u_s_max, &
-         'stiffness follows the period', rtol=1.0e-8_wp)
-   end subroutine check_spectrum
 
    !> Scene with storeys that yield, for all couplings that allow them.
    function yielding_case(n, coupling, formulation, u_y, hardening) result(case)
@@ -467,57 +263,6 @@ contains
       case%yielding%storey_u_y = u_y
       case%yielding%hardening = hardening
    end function yielding_case
-
-   !> Compare storeys that never reach their strength with elastic ones, to the last bit.
-   subroutine check_strong_storeys()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: elastic
-      type(error_t), allocatable :: error
-
-      case = yielding_case(4, 'full', 'exact', [1.0e9_wp], 0.1_wp)
-      ! equal drifts, exactly: each storey has a quarter of the roof's displacement
-      case%frame%floors%k = 64*[4.0_wp, 3.0_wp, 2.0_wp, 1.0_wp]
-      call set_equivalent_frame(case, error)
-      call checks%no_error(error, 'equivalent frame')
-      call simulate(case, result, error)
-      call checks%no_error(error, 'strong storeys')
-      deallocate (case%yielding)
-      ! the tolerance of storeys that may yield follows the stiffest of them
-      case%solver%rtol = case%solver%rtol/4
-      call simulate(case, elastic, error)
-      call checks%that(all(abs(result%final_state - elastic%final_state) <= 0), 'strong storeys')
-      call checks%that(maxval(abs(result%storey_residual_drift)) <= 0, 'nothing is left of them')
-      call checks%that(.not. allocated(elastic%storey_ductility), 'elastic ones report nothing')
-   end subroutine check_strong_storeys
-
-   !> Compare one yielding storey with the ordinary frame that yields.
-   subroutine check_one_yielding_storey(coupling, law, formulation)
-      character(*), intent(in) :: coupling
-      character(*), intent(in) :: law
-      character(*), intent(in) :: formulation
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: frame
-      type(error_t), allocatable :: error
-
-      if (.not. checks%wants('one_yielding_storey, '//law)) return
-      case = yielding_case(1, coupling, formulation, [0.03_wp], 0.1_wp)
-      case%yielding%law%name = law
-      case%solver%rtol = 1.0e-11_wp
-      call simulate(case, result, error)
-      call checks%no_error(error, 'one storey')
-      deallocate (case%frame%floors, case%yielding%storey_u_y)
-      case%yielding%u_y = 0.03_wp
-      call simulate(case, frame, error)
-      call checks%no_error(error, 'ordinary frame')
-      call checks%that(frame%ductility > 2, 'it yields, '//formulation)
-      call checks%close_to(result%ductility, frame%ductility, 'one storey, '//coupling &
-         //', '//law//', '//formulation, rtol=1.0e-9_wp)
-      call checks%close_to(result%residual_displacement, frame%residual_displacement, &
-         'its residual displacement, '//law//', '//formulation, rtol=1.0e-8_wp)
-      call checks%close_to(result%u_s_max, frame%u_s_max, 'its displacement', rtol=1.0e-9_wp)
-   end subroutine check_one_yielding_storey
 
    !> Compare storeys on a straight line with a yielding frame. All storeys have the same strength
    !> over height; the frame has the strength of all of them.
@@ -566,61 +311,6 @@ contains
       call checks%close_to(result%storey_ductility(1), d(1)/u_y(1), 'lower storey', rtol=1.0e-4_wp)
       call checks%close_to(result%storey_ductility(2), d(2)/u_y(2), 'upper storey', rtol=1.0e-4_wp)
    end subroutine check_pushed_storeys
-
-   !> Check that the mirrored motion gives the mirrored response, yielding included.
-   subroutine check_yielding_mirror(law)
-      character(*), intent(in) :: law
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: mirrored
-      type(error_t), allocatable :: error
-
-      if (.not. checks%wants('yielding_mirror, '//law)) return
-      case = yielding_case(3, 'full', 'symmetric', [0.01_wp, 0.02_wp, 0.02_wp], 0.0_wp)
-      case%yielding%law%name = law
-      call simulate(case, result, error)
-      case%motion%a_max_g = -case%motion%a_max_g
-      call simulate(case, mirrored, error)
-      call checks%no_error(error, 'yielding mirror')
-      call checks%that(result%ductility > 2, 'the storeys yield')
-      call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0) &
-         .and. all(abs(result%storey_residual_drift + mirrored%storey_residual_drift) <= 0), &
-         'yielding mirror')
-   end subroutine check_yielding_mirror
-
-   !> Check the energy balance, with rests in between: input = stored + viscous + hysteretic +
-   !> impact.
-   subroutine check_yielding_energy(law, formulation, e)
-      character(*), intent(in) :: law
-      character(*), intent(in) :: formulation
-      real(wp), intent(in) :: e
-      type(case_t) :: case
-      type(result_t) :: result
-
-      if (.not. checks%wants('yielding_energy, '//law)) return
-      case = yielding_case(4, 'full', formulation, [0.01_wp, 0.015_wp, 0.02_wp, 0.01_wp], 0.02_wp)
-      case%yielding%law%name = law
-      case%impact%e = e
-      allocate (case%output)
-      case%output%dt = 0.1_wp
-      call check_ledger(checks, case, 1.0e-9_wp, 'energy of yielding storeys', result)
-      call checks%that(result%energy%hysteretic > 0.05_wp*result%energy%input_max, &
-         'they dissipate')
-      if (law == 'bouc_wen') return
-      call checks%that(count(result%events%kind == event_branch) > 10, 'branches are events')
-   end subroutine check_yielding_energy
-
-   !> Check that the rejection of a step restores the state of yielding storeys.
-   subroutine check_yielding_stepping(law)
-      character(*), intent(in) :: law
-      type(case_t) :: case
-
-      if (.not. checks%wants('yielding_stepping, '//law)) return
-      case = yielding_case(3, 'full', 'exact', [0.01_wp], 0.05_wp)
-      case%yielding%law%name = law
-      case%impact%e = 0.3_wp
-      call checks%that(repeats_the_bits(case, 0.02_wp, 200), 'yielding storeys in repeated steps')
-   end subroutine check_yielding_stepping
 
    !> Check that incompatible inputs are refused.
    subroutine check_refusals()

@@ -1,9 +1,8 @@
 !> CSV files: complete or absent, with the same bits and only the keys that apply.
 program test_output
-   use, intrinsic :: iso_c_binding, only: c_funptr, c_int, c_intptr_t, c_long, c_null_funptr
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use check, only: checks_t
-   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_output_csv, only: case_name, write_result, write_spectrum
    use rwmf_output_summary, only: list_effects, summarise, summary_item_t, summary_text
@@ -27,11 +26,6 @@ program test_output
    if (checks%wants('history_bits')) call test_history_bits()
    if (checks%wants('spectrum_file')) call test_spectrum_file()
    if (checks%wants('bare_spectrum')) call test_bare_spectrum()
-   if (checks%wants('missing_folder')) call test_missing_folder()
-   if (checks%wants('target_is_folder')) call test_target_is_folder()
-   if (checks%wants('full_disk')) call test_full_disk()
-   if (checks%wants('input_stays')) call test_input_stays()
-   if (checks%wants('link_stays')) call test_link_stays()
    call execute_command_line('rm -rf '//folder)
    call checks%finish()
 
@@ -159,152 +153,6 @@ contains
       call write_spectrum(case, spectrum, folder//'/s.csv', error)
       call checks%that(line_of('s.csv', 6) == 'T_s_s,u_s_max_m,status', 'bare frame')
    end subroutine test_bare_spectrum
-
-   !> The error names a folder that does not exist.
-   subroutine test_missing_folder()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-
-      call make_case(case)
-      call make_result(result)
-      call write_result(case, result, 'no/such/folder', 'run', error)
-      call checks%has_error(error, err_input, 'no/such/folder', 'missing folder')
-   end subroutine test_missing_folder
-
-   !> A target that cannot be replaced leaves all files unchanged.
-   subroutine test_target_is_folder()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      integer :: before
-
-      call execute_command_line('mkdir '//folder//'/taken.summary.csv')
-      before = count_files()
-      call make_case(case)
-      call make_result(result)
-      call write_result(case, result, folder, 'taken', error)
-      call checks%has_error(error, err_input, 'taken.summary.csv', 'target is a folder')
-      call checks%that(count_files() == before, 'no temporary file stays')
-   end subroutine test_target_is_folder
-
-   !> On a full disk the earlier file stays and the temporary file is deleted. A limit on the file
-   !> size simulates the full disk.
-   subroutine test_full_disk()
-      integer(c_long), parameter :: few_bytes = 8192_c_long
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      character(:), allocatable :: earlier
-      integer :: before
-
-      call make_case(case)
-      call make_result(result)
-      earlier = line_of('run.summary.csv', 6)
-      before = count_files()
-      result%steps = 99
-      allocate (result%history)
-      result%history%names = [character(32) :: 't_s']
-      allocate (result%history%values(20000, 1), source=0.1_wp)
-      call limit_file_size(few_bytes)
-      call write_result(case, result, folder, 'run', error)
-      call limit_file_size(huge(few_bytes))
-      call checks%has_error(error, err_input, 'run.history.csv', 'full disk')
-      call checks%that(line_of('run.summary.csv', 6) == earlier, 'earlier file untouched')
-      call checks%that(count_files() == before, 'temporary files removed')
-   end subroutine test_full_disk
-
-   !> The input file of a case is never overwritten by a result, under any of its names.
-   subroutine test_input_stays()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      integer :: before
-
-      call execute_command_line('cd '//folder//' && echo samples > motion.txt' &
-         //' && ln -s motion.txt link.history.csv && ln motion.txt hard.summary.csv')
-      call make_case(case)
-      call make_result(result)
-      allocate (case%record)
-      case%motion%path = folder//'/../'//folder//'/motion.txt'
-      before = count_files()
-      call write_result(case, result, folder, 'link', error)
-      call checks%has_error(error, err_input, 'link.history.csv', 'a link to the record')
-      call write_result(case, result, folder, 'hard', error)
-      call checks%has_error(error, err_input, 'hard.summary.csv', 'another name of the record')
-      deallocate (case%record)
-      call write_result(case, result, folder, 'case', error, folder//'/motion.txt')
-      call checks%no_error(error, 'nothing is read that is written')
-      call write_result(case, result, folder, 'hard', error, folder//'/motion.txt')
-      call checks%has_error(error, err_input, 'hard.summary.csv', 'another name of the case')
-      call checks%that(line_of('motion.txt', 1) == 'samples', 'the record stays')
-      call checks%that(count_files() == before + 1, 'nothing else was written')
-   end subroutine test_input_stays
-
-   !> A link is kept and its target receives the result; a device remains a device.
-   subroutine test_link_stays()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      integer :: status
-
-      call execute_command_line('cd '//folder//' && mkdir place' &
-         //' && ln -s place/target linked.summary.csv && ln -s /dev/null null.summary.csv')
-      call make_case(case)
-      call make_result(result)
-      call write_result(case, result, folder, 'linked', error)
-      call checks%no_error(error, 'written to the target of a link')
-      call checks%that(line_of('place/target', 3) == '# &wall h = 2.0 /', 'the target')
-      call write_result(case, result, folder, 'null', error)
-      call checks%no_error(error, 'written to a device')
-      call execute_command_line('cd '//folder//' && test -h linked.summary.csv' &
-         //' && test -h null.summary.csv && test -c /dev/null', exitstat=status)
-      call checks%that(status == 0, 'links and device stay')
-   end subroutine test_link_stays
-
-   !> Limit the size of files from now on.
-   subroutine limit_file_size(bytes)
-      integer(c_long), intent(in) :: bytes
-      integer(c_int), parameter :: rlimit_fsize = 1_c_int, sigxfsz = 25_c_int
-      integer(c_intptr_t), parameter :: sig_ign = 1_c_intptr_t
-      type(c_funptr) :: previous
-      integer(c_long) :: limits(2)
-      integer(c_int) :: status
-
-      interface
-         function c_getrlimit(resource, limits) bind(c, name='getrlimit') result(status)
-            import :: c_int, c_long
-            implicit none
-            integer(c_int), intent(in), value :: resource
-            integer(c_long), intent(out) :: limits(2)
-            integer(c_int) :: status
-         end function c_getrlimit
-
-         function c_setrlimit(resource, limits) bind(c, name='setrlimit') result(status)
-            import :: c_int, c_long
-            implicit none
-            integer(c_int), intent(in), value :: resource
-            integer(c_long), intent(in) :: limits(2)
-            integer(c_int) :: status
-         end function c_setrlimit
-
-         function c_signal(number, handler) bind(c, name='signal') result(previous)
-            import :: c_funptr, c_int
-            implicit none
-            integer(c_int), intent(in), value :: number
-            type(c_funptr), intent(in), value :: handler
-            type(c_funptr) :: previous
-         end function c_signal
-      end interface
-
-      ! without this the signal for a too large file would end the program
-      previous = c_signal(sigxfsz, transfer(sig_ign, c_null_funptr))
-      status = c_getrlimit(rlimit_fsize, limits)
-      limits(1) = bytes
-      if (limits(2) >= 0_c_long) limits(1) = min(bytes, limits(2))
-      if (status == 0_c_int) status = c_setrlimit(rlimit_fsize, limits)
-      call checks%that(status == 0_c_int, 'limit on file sizes')
-   end subroutine limit_file_size
 
    !> A wall and a frame in free vibration.
    subroutine make_case(case)

@@ -1,17 +1,17 @@
-"""The documentation site: every page opens, every link leads somewhere, nothing is fetched."""
+"""The site that tools/docs has built, in a browser: pages, searches and the read-only explorer."""
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 import pytest
+import rwmf
 from checkout import ROOT
+from explorer_page import DESK, Opened
+from rwmf._explore.presets import case_of_preset
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, Request
@@ -23,34 +23,6 @@ from pages import check
 SITE = ROOT / "build" / "site"
 
 
-@pytest.fixture(scope="module")
-def site() -> check.Site:
-    """Build the changed pages; tools/test installs the requirements."""
-    done = subprocess.run(
-        [sys.executable, "-m", "pages"],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT / "tools")},
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return check.Site(SITE)
-
-
-def test_no_page_is_at_fault(site: check.Site) -> None:
-    assert not site.faults()
-
-
-def test_every_source_is_a_page(site: check.Site) -> None:
-    sources = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")}
-    assert {path.with_suffix(".html") for path in sources} <= {
-        path.relative_to(SITE) for path in site.pages
-    }
-
-
-@pytest.mark.usefixtures("site")
 def test_searches_find_a_tendon() -> None:
     assert "tendon" in (SITE / "_static" / "sections.js").read_text(encoding="utf-8")
     assert "tendon" in (SITE / "fortran/search/search_database.json").read_text(encoding="utf-8")
@@ -75,12 +47,12 @@ def page(browser: Browser) -> Iterator[Page]:
     assert not said
 
 
-@pytest.mark.slow
-def test_pages_open_in_a_browser(site: check.Site, page: Page) -> None:
+def test_pages_open_in_a_browser(page: Page) -> None:
     """Every page by Sphinx, and one of each kind by FORD, whose pages are made by few templates."""
+    pages = check.Site(SITE).pages
     fortran = SITE / "fortran"
-    by_sphinx = [path for path in site.pages if fortran not in path.parents]
-    kinds = {path.parent: path for path in site.pages if fortran in path.parents}
+    by_sphinx = [path for path in pages if fortran not in path.parents]
+    kinds = {path.parent: path for path in pages if fortran in path.parents}
     assert len(by_sphinx) > 40
     assert len(kinds) > 5
     for path in (*by_sphinx, *kinds.values()):
@@ -88,7 +60,6 @@ def test_pages_open_in_a_browser(site: check.Site, page: Page) -> None:
         assert "rwmf" in page.locator("body").inner_text(), path
 
 
-@pytest.mark.usefixtures("site")
 def test_a_reader_finds_a_word(page: Page) -> None:
     """By the field beside the text, and in the pages of the kernel."""
     page.goto((SITE / "index.html").as_uri())
@@ -145,40 +116,56 @@ QUESTIONS = {
 }
 
 
-@pytest.mark.usefixtures("site")
-@pytest.mark.parametrize(("query", "answer"), QUESTIONS.items())
-def test_a_question_finds_its_page(query: str, answer: tuple[str, str], page: Page) -> None:
+def test_a_question_finds_its_page(page: Page) -> None:
     """Among the first five results, with an excerpt that shows the word."""
-    address, word = answer
-    page.goto(f"{(SITE / 'search.html').as_uri()}?q={quote(query)}")
-    results = page.locator("#search-results li").all()[:5]
-    links = [result.locator("a").get_attribute("href") or "" for result in results]
-    assert any(link.startswith(address) for link in links), links
-    shown = [result.locator("p").inner_text().lower() for result in results]
-    assert any(word.lower() in text for text in shown), shown
+    for query, (address, word) in QUESTIONS.items():
+        page.goto(f"{(SITE / 'search.html').as_uri()}?q={quote(query)}")
+        results = page.locator("#search-results li").all()[:5]
+        links = [result.locator("a").get_attribute("href") or "" for result in results]
+        assert any(link.startswith(address) for link in links), (query, links)
+        shown = [result.locator("p").inner_text().lower() for result in results]
+        assert any(word.lower() in text for text in shown), (query, shown)
 
 
-@pytest.mark.usefixtures("site")
 def test_a_search_without_result_says_so(page: Page) -> None:
     page.goto((SITE / "search.html").as_uri() + "?q=zyzzyva")
     page.get_by_text("Nothing found").wait_for()
 
 
-@pytest.mark.parametrize(
-    ("text", "fault"),
-    [
-        ("<title>a</title><a href='other.html'>b</a>", "other.html leads nowhere"),
-        ("<title>a</title><a href='#below'>b</a>", "#below leads nowhere"),
-        ("<title>a</title><script src='https://host/x.js'></script>", "loads https://host/x.js"),
-        ("<title>a</title><img src='//host/x.png'>", "loads //host/x.png"),
-        ("<p>a</p>", "has no title"),
-    ],
-)
-def test_a_fault_is_found(text: str, fault: str, tmp_path: Path) -> None:
-    (tmp_path / "page.html").write_text(text, encoding="utf-8")
-    assert any(fault in line for line in check.faults_of(tmp_path))
-
-
-def test_a_remote_font_is_found(tmp_path: Path) -> None:
-    (tmp_path / "page.css").write_text("@import 'https://host/font.css';", encoding="utf-8")
-    assert check.faults_of(tmp_path) == ["page.css: loads something remote"]
+def test_the_explorer_shows_three_cases_from_files(browser: Browser) -> None:
+    copy = SITE / "explorer"
+    context = browser.new_context(viewport=DESK, reduced_motion="reduce", offline=True)
+    opened = Opened(context, (copy / "index.html").as_uri())
+    # a page of files may load its own folder only
+    own = copy.as_uri()
+    assert [url for url in opened.foreign if not url.startswith(own)] == []
+    for name, key in (
+        ("", "storey_drift_max"),
+        ("wall_and_frame", "u_s_max_m"),
+        ("block", "theta_max_over_alpha"),
+    ):
+        opened.page.select_option("#preset", name)
+        opened.settle()
+        opened.page.wait_for_timeout(400)
+        assert opened.problem == ""
+        case = case_of_preset(name or "six_storeys")
+        run = rwmf.simulate(case.replace(output={"reactions": True}))
+        assert opened.number(key) == repr(float(run[key.removesuffix("_m")]))
+        assert opened.page.locator("#sentence").text_content() != ""
+        assert opened.page.locator("#u_s canvas").count() == (name != "block")
+    # comparison and history work, sliders do not
+    opened.page.locator("#undo").click()
+    opened.page.wait_for_timeout(200)
+    opened.settle()
+    assert opened.page.locator("#preset").input_value() == "wall_and_frame"
+    opened.page.locator("#pin").click()
+    opened.page.select_option("#preset", "")
+    opened.settle()
+    assert opened.page.evaluate("explorer.stage.ghost !== null")
+    fields = opened.page.locator("#groups :is(input, select, button)")
+    assert fields.count() > 20
+    assert all(field.is_disabled() for field in fields.all())
+    assert not opened.page.locator("#upload").is_visible()
+    assert not opened.page.locator("#measure").is_visible()
+    assert opened.console == []
+    context.close()
