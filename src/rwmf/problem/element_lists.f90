@@ -92,7 +92,8 @@ contains
          call fail_group(values, group, what//" must not be given with &model formulation = " &
             //"'published'; 'symmetric' and 'exact' allow it", error)
       else if (text_of(values, 'wall', 'base') == 'pinned') then
-         call fail_group(values, group, what//" must not be given with &wall base = 'pinned': the " &
+         call fail_group(values, group, what &
+            //" must not be given with &wall base = 'pinned': the " &
             //'arms are those of a wall that rocks', error)
       end if
    end subroutine check_base

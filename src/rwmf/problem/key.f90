@@ -186,8 +186,8 @@ contains
       of_kind = key_t('motion', key, type, unit, default, .false., allowed, help, kinds, '')
    end function of_kind
 
-   !> True if the key may have several values: a list, or 'reals', one number for all elements of the
-   !> group or one for each.
+   !> True if the key may have several values: a list, or 'reals', one number for all elements of
+   !> the group or one for each.
    elemental logical function takes_list(key)
       type(key_t), intent(in) :: key
 

@@ -201,7 +201,8 @@ module rwmf_problem_quantity_table
       'cable', of_rows, '`offset`', 'force of tendon {i} over weight of wall'), &
       quantity_t(id%fuse_i_force_over_m_w_g, 'fuse_{i}_force_over_m_w_g', '1', 'row', 'history', &
       'fuse', of_rows, '`offset`', 'force of fuse {i} over weight of wall'), &
-      quantity_t(id%restraint_i_force_over_m_w_g, 'restraint_{i}_force_over_m_w_g', '1', 'row', 'history', &
+      quantity_t(id%restraint_i_force_over_m_w_g, 'restraint_{i}_force_over_m_w_g', '1', 'row', &
+      'history', &
       'restraint', of_rows, '', 'force of restraint {i} over weight of wall'), &
       quantity_t(id%coupling_force_over_m_w_g, 'coupling_force_over_m_w_g', '1', 'row', 'history', &
       'coupling', of_rows, '', 'force of a coupling over weight of wall'), &
@@ -267,7 +268,8 @@ module rwmf_problem_quantity_table
       of_rows, 'a mass; `offset`', 'force of tendon {i}', id%cable_i_force_over_m_w_g), &
       quantity_t(id%fuse_i_force_N, 'fuse_{i}_force_N', 'N', 'row', 'history', 'fuse', &
       of_rows, 'a mass; `offset`', 'force of fuse {i}', id%fuse_i_force_over_m_w_g), &
-      quantity_t(id%restraint_i_force_N, 'restraint_{i}_force_N', 'N', 'row', 'history', 'restraint', &
+      quantity_t(id%restraint_i_force_N, 'restraint_{i}_force_N', 'N', 'row', 'history', &
+      'restraint', &
       of_rows, 'a mass', 'force of restraint {i}', id%restraint_i_force_over_m_w_g), &
       quantity_t(id%coupling_force_N, 'coupling_force_N', 'N', 'row', 'history', 'coupling', &
       of_rows, 'a mass', 'force of a coupling', id%coupling_force_over_m_w_g), &
@@ -556,7 +558,8 @@ module rwmf_problem_quantity_table
       quantity_t(id%cable_i_force_min_over_m_w_g, 'cable_{i}_force_min_over_m_w_g', '1', 'peak', &
       'run ordinate', 'cable', of_envelopes, '`offset`', &
       'smallest force of tendon {i} over weight of wall'), &
-      quantity_t(id%cable_i_prestress_loss_over_m_w_g, 'cable_{i}_prestress_loss_over_m_w_g', '1', 'end', &
+      quantity_t(id%cable_i_prestress_loss_over_m_w_g, 'cable_{i}_prestress_loss_over_m_w_g', &
+      '1', 'end', &
       'run ordinate', 'cable', of_envelopes, '`offset`', &
       'force of tendon {i} at theta = 0 that is lost at the end over weight of wall'), &
       quantity_t(id%fuse_i_stroke_max_m, 'fuse_{i}_stroke_max_m', 'm', 'peak', 'run ordinate', &
@@ -571,16 +574,22 @@ module rwmf_problem_quantity_table
       quantity_t(id%fuse_i_force_end_over_m_w_g, 'fuse_{i}_force_end_over_m_w_g', '1', 'end', &
       'run ordinate', 'fuse', of_envelopes, '', &
       'force of fuse {i} at the end over weight of wall'), &
-      quantity_t(id%restraint_i_stroke_max_m, 'restraint_{i}_stroke_max_m', 'm', 'peak', 'run ordinate', &
+      quantity_t(id%restraint_i_stroke_max_m, 'restraint_{i}_stroke_max_m', 'm', 'peak', &
+      'run ordinate', &
       'restraint', of_envelopes, '', 'largest stroke of restraint {i}'), &
-      quantity_t(id%restraint_i_stroke_min_m, 'restraint_{i}_stroke_min_m', 'm', 'peak', 'run ordinate', &
-      'restraint', of_envelopes, '', 'smallest stroke of restraint {i}, negative where the point sinks'), &
-      quantity_t(id%restraint_i_stroke_sum_m, 'restraint_{i}_stroke_sum_m', 'm', 'peak', 'run ordinate', &
+      quantity_t(id%restraint_i_stroke_min_m, 'restraint_{i}_stroke_min_m', 'm', 'peak', &
+      'run ordinate', &
+      'restraint', of_envelopes, '', &
+      'smallest stroke of restraint {i}, negative where the point sinks'), &
+      quantity_t(id%restraint_i_stroke_sum_m, 'restraint_{i}_stroke_sum_m', 'm', 'peak', &
+      'run ordinate', &
       'restraint', of_envelopes, '', 'travel of restraint {i} there and back'), &
-      quantity_t(id%restraint_i_force_max_over_m_w_g, 'restraint_{i}_force_max_over_m_w_g', '1', 'peak', &
+      quantity_t(id%restraint_i_force_max_over_m_w_g, 'restraint_{i}_force_max_over_m_w_g', '1', &
+      'peak', &
       'run ordinate', 'restraint', of_envelopes, '', &
       'largest magnitude of the force of restraint {i} over weight of wall'), &
-      quantity_t(id%restraint_i_force_end_over_m_w_g, 'restraint_{i}_force_end_over_m_w_g', '1', 'end', &
+      quantity_t(id%restraint_i_force_end_over_m_w_g, 'restraint_{i}_force_end_over_m_w_g', '1', &
+      'end', &
       'run ordinate', 'restraint', of_envelopes, '', &
       'force of restraint {i} at the end over weight of wall'), &
       quantity_t(id%coupling_stroke_max_m, 'coupling_stroke_max_m', 'm', 'peak', 'run ordinate', &
@@ -599,8 +608,10 @@ module rwmf_problem_quantity_table
       quantity_t(id%cable_i_force_min_N, 'cable_{i}_force_min_N', 'N', 'peak', 'run ordinate', &
       'cable', of_envelopes, 'a mass; `offset`', 'smallest force of tendon {i}', &
       id%cable_i_force_min_over_m_w_g), &
-      quantity_t(id%cable_i_prestress_loss_N, 'cable_{i}_prestress_loss_N', 'N', 'end', 'run ordinate', &
-      'cable', of_envelopes, 'a mass; `offset`', 'force of tendon {i} at theta = 0 that is lost at the end', &
+      quantity_t(id%cable_i_prestress_loss_N, 'cable_{i}_prestress_loss_N', 'N', 'end', &
+      'run ordinate', &
+      'cable', of_envelopes, 'a mass; `offset`', &
+      'force of tendon {i} at theta = 0 that is lost at the end', &
       id%cable_i_prestress_loss_over_m_w_g), &
       quantity_t(id%fuse_i_force_max_N, 'fuse_{i}_force_max_N', 'N', 'peak', 'run ordinate', &
       'fuse', of_envelopes, 'a mass', 'largest magnitude of the force of fuse {i}', &
@@ -608,10 +619,12 @@ module rwmf_problem_quantity_table
       quantity_t(id%fuse_i_force_end_N, 'fuse_{i}_force_end_N', 'N', 'end', 'run ordinate', &
       'fuse', of_envelopes, 'a mass', 'force of fuse {i} at the end', &
       id%fuse_i_force_end_over_m_w_g), &
-      quantity_t(id%restraint_i_force_max_N, 'restraint_{i}_force_max_N', 'N', 'peak', 'run ordinate', &
+      quantity_t(id%restraint_i_force_max_N, 'restraint_{i}_force_max_N', 'N', 'peak', &
+      'run ordinate', &
       'restraint', of_envelopes, 'a mass', 'largest magnitude of the force of restraint {i}', &
       id%restraint_i_force_max_over_m_w_g), &
-      quantity_t(id%restraint_i_force_end_N, 'restraint_{i}_force_end_N', 'N', 'end', 'run ordinate', &
+      quantity_t(id%restraint_i_force_end_N, 'restraint_{i}_force_end_N', 'N', 'end', &
+      'run ordinate', &
       'restraint', of_envelopes, 'a mass', 'force of restraint {i} at the end', &
       id%restraint_i_force_end_over_m_w_g), &
       quantity_t(id%coupling_force_max_N, 'coupling_force_max_N', 'N', 'peak', 'run ordinate', &

@@ -75,7 +75,8 @@ contains
       associate (walls => walls_of(structure))
          if (allocated(structure%frame%gamma)) call set_axes(structure, &
             gamma=structure%frame%gamma/walls)
-         if (allocated(structure%frame%k_link)) structure%frame%k_link = structure%frame%k_link/walls
+         if (allocated(structure%frame%k_link)) structure%frame%k_link = structure%frame%k_link &
+            /walls
       end associate
    end subroutine share_frame
 

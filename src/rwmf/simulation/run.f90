@@ -522,8 +522,9 @@ contains
       end if
       if (equation%beam%n > 0) result%modal_damping = equation%beam%ratios
       if (equation%has_cable) result%cable_increment_max = largest_increment(equation, recorder)
-      if (equation%has_impacts .and. (equation%walls > 1 .or. has_places(equation))) &
+      if (equation%has_impacts .and. (equation%walls > 1 .or. has_places(equation))) then
          result%uplift = resting_uplift(equation)
+      end if
       if (allocated(case%coupling)) then
          if (allocated(case%coupling%eta_y)) result%coupling_ratio = coupling_ratio(case)
       end if
@@ -539,7 +540,8 @@ contains
          return
       end if
       increment = -huge(increment)
-      if (recorder%theta_max >= 0) increment = max(cable_force_at(equation, recorder%theta_max, 1), &
+      if (recorder%theta_max >= 0) increment = max(cable_force_at(equation, recorder%theta_max, &
+         1), &
          cable_force_at(equation, max(0.0_wp, recorder%theta_min), 1))
       if (recorder%theta_min <= 0) increment = max(increment, cable_force_at(equation, &
          recorder%theta_min, -1), cable_force_at(equation, min(0.0_wp, recorder%theta_max), -1))

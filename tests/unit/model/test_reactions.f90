@@ -139,7 +139,8 @@ contains
       case%output = output_t(energy=.false., reactions=.true.)
       call simulate(case, result, error)
       call checks%no_error(error, 'static')
-      call checks%close_to(result%reactions%normal_min, 1 + case%cable%eta_0(1), 'weight and cable', &
+      call checks%close_to(result%reactions%normal_min, 1 + case%cable%eta_0(1), &
+         'weight and cable', &
          rtol=round_off)
       call checks%close_to(result%reactions%demand_max, 0.0_wp, 'no demand')
       call checks%close_to(result%reactions%base_shear_max, 0.0_wp, 'no base shear')

@@ -72,7 +72,7 @@ contains
       group%reasons(1) = 'it acts between adjacent walls'
       group%keys = [spring_keys('coupling'), linear_keys('coupling'), damper_keys('coupling'), &
          usually('[0, 10]', optional_key('coupling', 'span', 'real', 'm', '0.0', not_negative, &
-            'clear span of coupling beams with both ends clamped in the walls; 0: plates or dampers'))]
+            'clear span of coupling beams clamped in both walls; 0: plates or dampers'))]
       group%derive => derive_coupling
       group%check => check_coupling
       group%fill => fill_coupling
@@ -316,7 +316,8 @@ contains
       do i = 1, size(keys)
          if (.not. has_key(values, group, trim(keys(i)))) cycle
          if (text_of(values, group, 'law') == laws(i)) cycle
-         call fail_key(values, group, trim(keys(i)), "belongs to law = '"//trim(laws(i))//"'", error)
+         call fail_key(values, group, trim(keys(i)), "belongs to law = '"//trim(laws(i))//"'", &
+            error)
          return
       end do
       call check_lists(values, group, [character(9) :: 'eta_y', 'stroke_y', 'hardening'], &

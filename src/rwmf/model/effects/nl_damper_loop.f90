@@ -12,8 +12,8 @@ contains
    !> Add the force of the dampers to the moment.
    pure subroutine add_nl_damper(coef, motion)
       real(wp), intent(in) :: coef(lane_count, 4)
-      !! largest arm a [m]; a times the force at 1 m/s over m_w R**2 [1/s2]; exponent [-]; that force
-      !! [m/s2]
+      !! largest arm a [m]; a times the force at 1 m/s over m_w R**2 [1/s2]; exponent [-]; that
+      !! force [m/s2]
       type(lane_motion_t), intent(inout) :: motion
       real(wp) :: power(lane_count)
       integer :: i

@@ -61,7 +61,8 @@ contains
       do i = 1, size(equation%springs)
          if (equation%springs(i)%element == 0) cycle
          do side = -1, 1, 2
-            angle = min(angle, turning_angle(equation%elements(equation%springs(i)%element)%stroke, &
+            angle = min(angle, &
+               turning_angle(equation%elements(equation%springs(i)%element)%stroke, &
                side))
          end do
       end do
@@ -437,8 +438,9 @@ contains
       associate (spring => model%springs(number)%spring)
          call spring_limits(spring, state%springs(number), x(1), x(2))
          grows = (is_rising .eqv. state%side > 0) .eqv. growth(model, state, number) > 0
-         if (abs(rotation_at(model, state, number, merge(x(2), x(1), grows)) - limit) <= 0) &
+         if (abs(rotation_at(model, state, number, merge(x(2), x(1), grows)) - limit) <= 0) then
             call pass_limit(spring, state%springs(number), grows)
+         end if
          if (.not. allocated(state%is_beyond)) return
          if (abs(state%side*turn_of(model, state%side, number) - limit) > 0) return
          state%is_beyond(number) = is_rising .eqv. state%side > 0
@@ -486,8 +488,8 @@ contains
       if (unloads) call follow_branches(model, state)
    end subroutine turn_back
 
-   !> Return whether a spring goes on where the wall changes its pivot: that of a frame whose law has
-   !> wear, and an element that sinks on one side as it rises on the other.
+   !> Return whether a spring goes on where the wall changes its pivot: that of a frame whose law
+   !> has wear, and an element that sinks on one side as it rises on the other.
    pure logical function goes_through(model, number)
       type(model_t), intent(in) :: model
       integer, intent(in) :: number

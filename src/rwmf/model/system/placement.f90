@@ -34,7 +34,8 @@ contains
       if (allocated(case%nl_damper)) call place_devices(case, case%nl_damper, of_damper, equation)
       if (allocated(case%fuse)) call place_devices(case, case%fuse, of_fuse, equation)
       if (allocated(case%coupling)) call place_devices(case, case%coupling, of_coupling, equation)
-      if (allocated(case%restraint)) call place_devices(case, case%restraint, of_restraint, equation)
+      if (allocated(case%restraint)) call place_devices(case, case%restraint, of_restraint, &
+         equation)
       if (.not. allocated(equation%elements)) return
       equation%has_sides = equation%has_impacts .and. any(equation%elements%group /= of_cable &
          .or. abs(equation%elements%offset) > 0 .or. equation%elements%is_signed)
@@ -53,8 +54,10 @@ contains
          is_nonlinear => equation%elements%force_1 > 0)
          path = in_cable
          if (any(equation%elements%group == of_cable .and. (abs(equation%elements%offset) > 0 &
-            .or. equation%elements%stroke%height < (1 - 1.0e-9_wp)*2*equation%p%R*equation%p%cos_alpha))) &
+            .or. equation%elements%stroke%height < (1 - 1.0e-9_wp) &
+            *2*equation%p%R*equation%p%cos_alpha))) then
             path = elsewhere
+         end if
          if (any(kind == along_axis)) call add_term(scene, term_t(axis_term, &
             n_coef=axis_coefficients, acts=path))
          if (any(kind == along_line)) call add_term(scene, term_t(line_term, &

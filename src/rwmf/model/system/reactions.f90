@@ -82,8 +82,8 @@ contains
          + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot) - on_frame(2)
    end function reactions_at
 
-   !> Smallest and largest normal force on the base of a wall, of all walls. Couplings push one of the
-   !> outer walls up and pull the other one down; restraints act on their wall alone [m/s2].
+   !> Smallest and largest normal force on the base of a wall, of all walls. Couplings push one of
+   !> the outer walls up and pull the other one down; restraints act on their wall alone [m/s2].
    function normal_range(equation, normal, y) result(range)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: normal
@@ -320,7 +320,8 @@ contains
       integer :: i
 
       force = 0
-      associate (state => equation%state, side => equation%state%side, terms => equation%scene%terms)
+      associate (state => equation%state, side => equation%state%side, &
+         terms => equation%scene%terms)
          if (allocated(equation%elements)) force = sum_of_forces(equation%elements, [of_fuse, &
             of_damper, of_restraint], state%springs, side, side*y(1), side*y(2))
          if (.not. equation%has_impacts) return

@@ -177,8 +177,8 @@ contains
       end subroutine pass_links
    end subroutine find_forces_beside
 
-   !> Add to the links the tendons that do not end at the top of the axis, and the restraints, in the
-   !> order of their heights.
+   !> Add to the links the tendons that do not end at the top of the axis, and the restraints, in
+   !> the order of their heights.
    subroutine add_held_points(equation, y, links, held)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)

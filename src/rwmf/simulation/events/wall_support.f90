@@ -17,8 +17,8 @@ contains
    !> Fail at the first time in the step at which springs take a wall off the ground.
    !>
    !> After yielding in tension, fuses push the corners up on the way back. A wall that they hold up
-   !> at one corner rocks on the other. If they exceed weight and cable force, they lift the wall off
-   !> both corners. Couplings push one of the outer walls up and pull the other one down.
+   !> at one corner rocks on the other. If they exceed weight and cable force, they lift the wall
+   !> off both corners. Couplings push one of the outer walls up and pull the other one down.
    subroutine check_support(equation, piece, error)
       type(equation_t), intent(in) :: equation
       type(step_view_t), intent(in) :: piece
@@ -35,9 +35,11 @@ contains
          if (allocated(error)) return
          call narrow(bracket, stands_on_elements(equation, y(1)))
       end do
-      call fail(error, err_numerical, 'the wall stands on its fuses, couplings or restraints at t ' &
+      call fail(error, err_numerical, &
+         'the wall stands on its fuses, couplings or restraints at t ' &
          //'= '//trim(real_to_text(bracket%high))//' s: together they push it up with more than ' &
-         //'weight and cable, and no corner stays on the ground, which is not in the model; fuses ' &
+         / &
+         /'weight and cable, and no corner stays on the ground, which is not in the model; fuses ' &
          //'whose eta_y have the sum 1 + eta_0 or less never do that while the cable keeps its ' &
          //'prestress', 'wall_on_fuses')
    end subroutine check_support

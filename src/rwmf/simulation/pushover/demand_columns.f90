@@ -94,9 +94,10 @@ contains
       integer :: i
 
       associate (equation => scene%equation)
-         if (scene%tendon_stress > 0 .and. count(equation%elements%group == of_cable) == 1) &
+         if (scene%tendon_stress > 0 .and. count(equation%elements%group == of_cable) == 1) then
             call put(row, id%tendon_stress_max_Pa, cable_force_at(equation, scene%y(1), &
             equation%state%side)*scene%tendon_stress)
+         end if
          strain = -huge(strain)
          do i = 1, count(equation%elements%group == of_cable)
             if (.not. equation%elements(i)%length > 0) return

@@ -180,8 +180,8 @@ contains
       end associate
    end function coupling_ratio
 
-   !> Write the history columns of the elements' forces. Two fuses under the corners are the left and
-   !> the right one.
+   !> Write the history columns of the elements' forces. Two fuses under the corners are the left
+   !> and the right one.
    subroutine put_element_forces(row, equation, has_offsets, y)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
@@ -194,8 +194,9 @@ contains
 
       force = [(force_of(equation, i, y), i=1, size(force))]/equation%p%g
       associate (group => equation%elements%group, offset => equation%elements%offset)
-         if (count(group == of_cable) > 1 .or. any(group == of_cable .and. abs(offset) > 0)) &
+         if (count(group == of_cable) > 1 .or. any(group == of_cable .and. abs(offset) > 0)) then
             call put(row, id%cable_i_force_over_m_w_g, pack(force, group == of_cable))
+         end if
          if (has_offsets) then
             call put(row, id%fuse_i_force_over_m_w_g, pack(force, group == of_fuse))
          else if (any(group == of_fuse)) then

@@ -14,7 +14,8 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_model_system_assembly, only: equation_t, interval_of
    use rwmf_model_system_bent_sections, only: find_bent_sections
    use rwmf_model_system_demands, only: building_of, building_t, links_of
-   use rwmf_model_system_reactions, only: has_section_forces, normal_range, reactions_at, reactions_t
+   use rwmf_model_system_reactions, only: has_section_forces, normal_range, reactions_at, &
+      reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, velocities_at_knots, velocity
    use rwmf_problem_case, only: case_t, has_numbers, numbers_of
@@ -334,7 +335,8 @@ contains
       !! the integrator fails
 
       call search_piece(recorder, piece, states, error)
-      if (.not. allocated(error) .and. size(recorder%watched) > 0) call follow_elements(recorder, piece, &
+      if (.not. allocated(error) .and. size(recorder%watched) > 0) call follow_elements(recorder, &
+         piece, &
          error)
    end subroutine observe_envelopes
 

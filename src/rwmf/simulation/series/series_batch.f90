@@ -167,8 +167,8 @@ contains
       if (is_served .and. has_elements(equation)) is_served = serves_elements(equation)
    end function is_served
 
-   !> Return whether the series knows the elements of a scene: no straight tendon off the axis, equal
-   !> damping on both sides, and springs that never lift the wall off both corners.
+   !> Return whether the series knows the elements of a scene: no straight tendon off the axis,
+   !> equal damping on both sides, and springs that never lift the wall off both corners.
    pure logical function serves_elements(equation) result(is_served)
       type(equation_t), intent(in) :: equation
       real(wp) :: capacity, rows(chord_coefficients, 2)
