@@ -159,7 +159,7 @@ def test_of_a_demand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert rows[1e-12]["relative_error"] < 1e-9
     assert all(row["relative_error"] is None for row in found["practices"])
     with pytest.raises(rwmf.InputError, match="does not apply"):
-        rwmf.cost(rwmf.Case.from_text(PULSE), quantity="storey_drift_max")
+        rwmf.cost(rwmf.Case.from_text(PULSE), quantities="storey_drift_max")
 
 
 @pytest.mark.parametrize("target", [0.0, 1.0, -1e-3, math.nan])
