@@ -35,13 +35,11 @@ contains
          if (allocated(error)) return
          call narrow(bracket, stands_on_elements(equation, y(1)))
       end do
-      call fail(error, err_numerical, &
-         'the wall stands on its fuses, couplings or restraints at t ' &
-         //'= '//trim(real_to_text(bracket%high))//' s: together they push it up with more than ' &
-         / &
-         /'weight and cable, and no corner stays on the ground, which is not in the model; fuses ' &
-         //'whose eta_y have the sum 1 + eta_0 or less never do that while the cable keeps its ' &
-         //'prestress', 'wall_on_fuses')
+      call fail(error, err_numerical, 'the wall stands on its fuses, couplings or restraints at ' &
+         //'t = '//trim(real_to_text(bracket%high))//' s: together they push it up with more ' &
+         //'than weight and cable, and no corner stays on the ground, which is not in the model; ' &
+         //'fuses whose eta_y have the sum 1 + eta_0 or less never do that while the cable keeps ' &
+         //'its prestress', 'wall_on_fuses')
    end subroutine check_support
 
    !> Return whether the wall stands on springs at the end of a step. A step beyond the base ends
