@@ -380,7 +380,7 @@ class Coupling(Group):
     c : float | tuple[float, ...]
         Or its constant [N s/m].
     span : float
-        Clear span of coupling beams with both ends clamped in the walls; 0: plates or dampers [m].
+        Clear span of coupling beams clamped in both walls; 0: plates or dampers [m].
     """
 
     __slots__ = ()
