@@ -81,6 +81,25 @@ EFFECTS = [
         no_element="the modes are states, and an element holds none",
     ),
     Effect("`&fuse`", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01}}, "fuse"),
+    Effect(
+        "three fuses",
+        {"fuse": {"eta_y": [0.1, 0.2, 0.1], "stroke_y": 0.01, "offset": [-0.5, 0.1, 0.5]}},
+        "fuse",
+    ),
+    Effect("two tendons", {"cable": CABLE | {"offset": [-0.2, 0.1], "law": "truss"}}, "cable"),
+    *(
+        Effect(
+            f"`&{group}`, {law}",
+            {group: {"eta_y": 0.1, "stroke_y": 0.01, "law": law} | keys} | changes,
+            group,
+            no_element="what yields has to be remembered",
+        )
+        for group, keys, changes in (
+            ("coupling", {}, {"wall": {"walls": 2}}),
+            ("restraint", {"offset": [-0.5, 1.0], "height": 2.0}, {}),
+        )
+        for law in ("elastic_plastic", "friction", "flag")
+    ),
     Effect("`&yielding`", {"yielding": {"u_y": 0.01, "law": "elastic_plastic"}}, "yielding"),
     *(
         Effect(f"`&fuse`, {law}", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01, "law": law}}, "fuse")

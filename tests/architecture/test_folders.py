@@ -64,7 +64,7 @@ STATES = ("hybrid_t", "snapshot_t", "wall_instance_t", "wall_element_t")
 # Procedures that assemble a model, and the contributions of each effect. In an embedding the motion
 # comes from the host, and an element has none.
 ASSEMBLY = re.compile(
-    r"rwmf_model_(system_assembly|system_contributions|effects_list|scene):\w+"
+    r"rwmf_model_(system_assembly|system_contributions|system_placement|effects_list|scene):\w+"
     r"|rwmf_model_hysteresis_spring_set:add_springs"
     r"|rwmf_model_\w+:(prepare|choose|set)_\w+"
     r"|rwmf_embedding_wall_instance:(size_to_expect|use_host_motion|hold_ground_acceleration"

@@ -505,7 +505,7 @@ def _accelerations(scene: Scene, t: float) -> list[float]:
 def _compare_path(scene: Scene, wall: c_host.Wall, member: c_host.Member) -> None:
     """Follow the wall through its peaks and impacts; compare the force of its link."""
     turns = {c_host.IMPACT}
-    if "fuse" in scene.groups or "cable" in scene.groups:
+    if {"fuse", "cable", "coupling", "restraint"} & scene.groups.keys():
         turns.add(c_host.PEAK)
     state = wall.state()
     member.respond([state.u_s, 0.0, 0.0], [0.0, 0.0])
@@ -657,15 +657,16 @@ REFUSALS = (
             "of the frame for its drift: give &p_delta h_f, or floors with their heights"),
     Refusal(("element",), "`&storeys`", "an element has no &storeys: the frame is the host's"),
     Refusal(("element",), "`&yielding`", "an element has no &yielding: the frame is the host's"),
-    Refusal(("element",), "`&fuse`", f"an element has no &fuse: {_STATELESS}"),
+    Refusal(("element",), "`&fuse`|three fuses", f"an element has no &fuse: {_STATELESS}"),
     Refusal(("element",), "cable yields|cable breaks",
             f"an element has no &cable eta_y or rupture_strain: {_STATELESS}"),
     Refusal(("element",), "vertical, record", "an element has no &vertical file: the host hands "
             "over the motion, and &vertical ratio follows it"),
     Refusal(("element",), "impact, table", "an element has no &impact rule = 'table': the host "
             "applies the velocity factor, and can look it up"),
-    *(Refusal(("element",), f"`&{effect.group}", f"an element has no &{effect.group}: "
-              f"{effect.no_element}") for effect in pairs.EFFECTS if effect.no_element),
+    *(Refusal(("element",), f"`&{group}", f"an element has no &{group}: {reason}")
+      for group, reason in dict.fromkeys((effect.group, effect.no_element)
+                                         for effect in pairs.EFFECTS if effect.no_element)),
 )  # fmt: skip
 
 

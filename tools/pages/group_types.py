@@ -38,6 +38,7 @@ _TYPES = {
     "real": "float",
     "reals": "float | tuple[float, ...]",
     "integer": "int",
+    "integers": "int | tuple[int, ...]",
     "logical": "bool",
     "text": "str",
 }

@@ -203,7 +203,7 @@ def variables_of(
         if has_records and group == "motion":
             raise InputError(f"bounds: {name}: the records replace &motion")
         kind = kind_of(column)
-        if kind not in ("real", "reals", "integer", "real list"):
+        if kind not in ("real", "integer", "real list"):
             raise InputError(f"bounds: {name}: is a {kind}: a design chooses numbers")
         low, high = (float(end) for end in _two(name, ends))
         is_whole = kind == "integer"

@@ -408,10 +408,10 @@ def describe() -> dict[str, Any]:
 def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
     """Describe a key from its row in the kernel's table, with the range of its slider."""
     name = f"{row.group}.{row.key}"
-    kind, default, allowed = row.kind, row.default, row.allowed
+    kind, default, allowed = row.kind.removesuffix("s"), row.default, row.allowed
     found: dict[str, Any] = {
         "key": row.key,
-        "kind": "real" if kind == "reals" else kind,
+        "kind": kind,
         "unit": row.unit.strip("-"),
         "default": default,
         "allowed": allowed,
@@ -421,7 +421,7 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
         words = allowed.split()
         start: object = default if default in words else words[0]
         found |= {"words": words, "start": _STARTS.get(name, start)}
-    elif kind in ("real", "reals", "integer"):
+    elif kind in ("real", "integer"):
         low, high, log = _RANGES.get(name) or _range(default, allowed)
         middle = math.sqrt(low * high) if log else 0.5 * (low + high)
         own = _number(default)

@@ -95,7 +95,7 @@ def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any: 
     """Convert a value to the type of its key."""
     if kind == "real" or (kind == "reals" and not isinstance(value, list)):
         return _real(name, value)
-    if kind == "integer":
+    if kind == "integer" or (kind == "integers" and not isinstance(value, list)):
         number = _real(name, value)
         if number != math.floor(number) or abs(number) >= 2**31:
             raise BadQuestionError(f"{name}: must be a whole number")

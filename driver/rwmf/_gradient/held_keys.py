@@ -186,9 +186,8 @@ def _find(case: Case, name: str, columns: Sequence[str]) -> Parameter:
     physics = {group: keys for group, keys in case.groups.items() if group not in SETTINGS}
     column = column_in(physics, word, "parameters")
     kind = kind_of(column)
-    lists = ("reals", "real list")
-    if kind not in ("real", *lists):
-        wanted = "whole number" if kind == "integer" else kind.removesuffix(" list")
+    if kind not in ("real", "real list"):
+        wanted = "whole number" if kind.startswith("integer") else kind.removesuffix(" list")
         raise InputError(f"parameters: {name}: is a {wanted}: a derivative needs a real number")
     has_records = "record" in columns
     if column == SCALE and not has_records and "scale" in (case.motion or {}):
@@ -203,8 +202,9 @@ def _find(case: Case, name: str, columns: Sequence[str]) -> Parameter:
         return item
     numbers = value_of(case, item)
     is_list = numbers.size > 1
-    if element and not (kind in lists and 1 <= element <= numbers.size):
-        size = f"has {numbers.size} number{'s' * is_list}" if kind in lists else "is no list"
+    takes_list = is_list or kind == "real list"
+    if element and not (takes_list and 1 <= element <= numbers.size):
+        size = f"has {numbers.size} number{'s' * is_list}" if takes_list else "is no list"
         raise InputError(f"parameters: {name}: {word} {size}")
     return Parameter(name, column, element if is_list else 0, is_list)
 

@@ -35,7 +35,7 @@ _PLACES = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "
 # axes that set several keys at once
 PAIRS = {"eta": ("cable.eta_0", "cable.eta_alpha")}
 # types of keys that differ from row to row of one call of the kernel
-NUMBERS = ("real", "reals", "integer", "logical")
+NUMBERS = ("real", "integer", "logical")
 _WORDS = {"true": 1.0, ".true.": 1.0, "1": 1.0, "false": 0.0, ".false.": 0.0, "0": 0.0}
 # numbers that select a motion or the format of a file: each value is a scene
 _OF_SCENE = ("storeys.n", "motion.dt", "vertical.dt")
@@ -277,7 +277,8 @@ def kind_of(name: str) -> str:
     """Return the type of an axis's values."""
     if name == SCALE or name in PAIRS:
         return "real"
-    return _table()[key_of_column(name)].kind
+    # a value of an axis is one number for all elements of a group
+    return _table()[key_of_column(name)].kind.removesuffix("s")
 
 
 def is_number(name: str) -> bool:

@@ -338,7 +338,7 @@ def _is_column_of_numbers(word: str, source: str) -> bool:
     if word.lower() == _RECORD:
         return False
     (name,) = name_axes({word: None}, source)
-    return kind_of(name) in ("real", "reals", "integer", "real list")
+    return kind_of(name) in ("real", "integer", "real list")
 
 
 def _is_number(name: str, source: str) -> bool:

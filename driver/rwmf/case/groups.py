@@ -470,7 +470,7 @@ class Cable(Group):
         Strain at which it breaks, that of the prestress included; absent: never.
     length : float | tuple[float, ...]
         Length that is strained, with strands or rupture_strain; absent: height [m].
-    strands : float | tuple[float, ...]
+    strands : int | tuple[int, ...]
         Number of strands: P(0) = strands strand_area initial_stress.
     strand_area : float | tuple[float, ...]
         Area of each [m2].
@@ -492,7 +492,7 @@ class Cable(Group):
     hardening: float | tuple[float, ...]
     rupture_strain: float | tuple[float, ...]
     length: float | tuple[float, ...]
-    strands: float | tuple[float, ...]
+    strands: int | tuple[int, ...]
     strand_area: float | tuple[float, ...]
     modulus: float | tuple[float, ...]
     initial_stress: float | tuple[float, ...]

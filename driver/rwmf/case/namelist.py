@@ -48,7 +48,7 @@ def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | N
             return to_array(name, value, least=1)
         if kind == "logical" and isinstance(value, bool | np.bool_):
             return np.array([value], dtype=np.float64)
-        if kind == "real" or (kind == "integer" and is_whole(value)):
+        if kind == "real" or (kind in ("integer", "integers") and is_whole(value)):
             return np.array([to_number(name, value)])
     except InputError:
         # the parser of the whole text gives the message
@@ -152,6 +152,9 @@ def parse_value(kind: str, text: str) -> Value:
         return float(text)
     if kind == "integer":
         return int(text)
+    if kind == "integers":
+        whole = tuple(int(item) for item in text.replace(",", " ").split())
+        return whole[0] if len(whole) == 1 else whole
     if kind == "logical":
         return text.strip(".").lower() in ("t", "true")
     return text

@@ -29,7 +29,7 @@ _NOT_PARAMETERS = {
     "motion.dt", "vertical.dt", "storeys.n", "solver.accuracy", "solver.verify", "solver.t_end",
 }  # fmt: skip
 _NO_PARAMETER_GROUPS = {"output", "spectrum", "sensitivity", "design"}
-_TYPES = {"real": "f", "reals": "f", "real list": "f", "integer": "i", "logical": "b", "int": "i"}
+_TYPES = {"real": "f", "real list": "f", "integer": "i", "logical": "b", "int": "i"}
 # variables that a step can change; the others are known before it, or tell of the computation
 _FOUND = {"row", "peak", "time", "end", "count", "whether"}
 
@@ -176,7 +176,8 @@ def _parameters(case: Case) -> list[Variable]:
         for key, value in {**values, **given}.items():
             row = rows[group, key]
             name = f"{group}.{key}"
-            if row.kind not in _TYPES or value is None or name in _NOT_PARAMETERS:
+            kind = row.kind.removesuffix("s")
+            if kind not in _TYPES or value is None or name in _NOT_PARAMETERS:
                 continue
             if key in values.derived and key not in given:
                 continue
@@ -188,7 +189,7 @@ def _parameters(case: Case) -> list[Variable]:
                 place = i if len(numbers) > 1 else 0
                 variable = Variable(
                     "p",
-                    _TYPES[row.kind],
+                    _TYPES[kind],
                     name,
                     unit,
                     row.meaning,

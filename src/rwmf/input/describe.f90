@@ -105,7 +105,7 @@ contains
             select case (key%type)
             case ('real', 'reals', 'real list')
                call append(list, trim(real_to_text(factor*real(numbers(i), wp))))
-            case ('integer')
+            case ('integer', 'integers')
                call append(list, trim(integer_to_text(nint(numbers(i)))))
             case ('logical')
                call append(list, trim(merge('.true. ', '.false.', numbers(i) > 0)))

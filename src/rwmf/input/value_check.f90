@@ -39,7 +39,7 @@ contains
          call parse_logical(value, truth, ok)
          number = merge(1, 0, truth)
          ok = ok .and. .not. is_quoted
-      case ('integer')
+      case ('integer', 'integers')
          call parse_integer(value, whole, ok)
          number = whole
          ok = ok .and. .not. is_quoted .and. is_within(trim(key%allowed), number)
@@ -66,7 +66,7 @@ contains
       select case (key%type)
       case ('logical')
          if (ok) ok = abs(number) <= 0 .or. abs(number - 1) <= 0
-      case ('integer')
+      case ('integer', 'integers')
          if (ok) ok = abs(number) <= huge(1)
          if (ok) ok = abs(number - anint(number)) <= 0 .and. is_within(trim(key%allowed), number)
       case default
@@ -123,6 +123,8 @@ contains
          text = 'an integer '//range_text(key)
       case ('real list')
          text = 'numbers '//range_text(key)
+      case ('integers')
+         text = 'an integer '//trim(range_text(key))//', or one for each element'
       case ('reals')
          text = 'a number '//trim(range_text(key))//', or one for each element'
       case default

@@ -11,7 +11,7 @@ module rwmf_model_elements
       rise_coefficients
    use rwmf_model_spring, only: branch_t
    use rwmf_model_stroke, only: along_axis, along_chord, along_line, arm_at, arm_slope_at, &
-      stroke_at, stroke_t, vertical
+      stroke_at, stroke_t, rising
    implicit none
    private
 
@@ -120,7 +120,7 @@ contains
          case (along_line)
             path = -[side*(z*sin(phi) + 2*a*sin(phi/2)**2), a*sin(phi) + z*cos(phi)] &
                /(z + stroke_at(element%stroke, side, phi))
-         case (vertical)
+         case (rising)
             path = [0.0_wp, -1.0_wp]
          case default
             ! a device under the pivot stands still and upright
@@ -268,7 +268,7 @@ contains
 
       row = 0
       do i = 1, size(elements)
-         if (elements(i)%stroke%kind /= vertical) cycle
+         if (elements(i)%stroke%kind /= rising) cycle
          line = line_of_element(elements(i), branches)
          associate (a => elements(i)%stroke%arm(side), z => elements(i)%stroke%height, &
             c => elements(i)%c, w => elements(i)%weight/R**2)

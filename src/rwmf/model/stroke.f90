@@ -9,7 +9,7 @@ module rwmf_model_stroke
    implicit none
    private
 
-   public :: stroke_t, along_axis, along_line, along_chord, vertical
+   public :: stroke_t, along_axis, along_line, along_chord, rising
    public :: stroke_at, arm_at, arm_slope_at, turning_angle, angle_of_stroke, moves
 
    integer, parameter :: along_axis = 1
@@ -18,7 +18,7 @@ module rwmf_model_stroke
    !! elongation of a straight tendon
    integer, parameter :: along_chord = 3
    !! chord of a point of the base
-   integer, parameter :: vertical = 4
+   integer, parameter :: rising = 4
    !! rise of a point; at height 0 also the stroke of a coupling, with the arm side*(2b + span)
 
    !> Stroke of an element.
@@ -50,7 +50,7 @@ contains
          case (along_line)
             rise = 4*a*(a*s**2 + z*s*c)
             x = rise/(sqrt(z**2 + rise) + z)
-         case (vertical)
+         case (rising)
             x = 2*s*(a*c - z*s)
          case default
             x = 2*a*s
@@ -72,7 +72,7 @@ contains
             arm = a
          case (along_line)
             arm = a*(a*sin(phi) + z*cos(phi))/(z + stroke_at(stroke, side, phi))
-         case (vertical)
+         case (rising)
             arm = a*cos(phi) - z*sin(phi)
          case default
             arm = a*cos(phi/2)
@@ -95,7 +95,7 @@ contains
          case (along_line)
             slope = (a*(a*cos(phi) - z*sin(phi)) - arm_at(stroke, side, phi)**2)/(z &
                + stroke_at(stroke, side, phi))
-         case (vertical)
+         case (rising)
             slope = -a*sin(phi) - z*cos(phi)
          case default
             slope = -a*sin(phi/2)/2
@@ -112,7 +112,7 @@ contains
 
       phi = huge(phi)
       associate (a => stroke%arm(side), z => stroke%height)
-         if (stroke%kind == vertical .and. a > 0 .and. z > 0) phi = atan2(a, z)
+         if (stroke%kind == rising .and. a > 0 .and. z > 0) phi = atan2(a, z)
          if (stroke%kind == along_line .and. a < 0) phi = atan2(z, -a)
       end associate
    end function turning_angle
@@ -139,7 +139,7 @@ contains
             ! (z + x)**2 = z**2 + 2 a**2 + 2 a sqrt(z**2 + a**2) sin(phi - atan2(a, z))
             sine = (x*(2*z + x)/(2*a) - a)/norm2([a, z])
             shift = atan2(a, z)
-         case (vertical)
+         case (rising)
             ! x + z = sqrt(a**2 + z**2) sin(phi + atan2(z, a))
             sine = (x + z)/norm2([a, z])
             shift = -atan2(z, a)
@@ -167,7 +167,7 @@ contains
       integer, intent(in) :: side
       !! +1 or -1
 
-      moves = abs(stroke%arm(side)) > 0 .or. (stroke%kind == vertical .and. stroke%height > 0)
+      moves = abs(stroke%arm(side)) > 0 .or. (stroke%kind == rising .and. stroke%height > 0)
    end function moves
 
 end module rwmf_model_stroke

@@ -186,12 +186,12 @@ contains
       of_kind = key_t('motion', key, type, unit, default, .false., allowed, help, kinds, '')
    end function of_kind
 
-   !> True if the key may have several values: a list, or 'reals', one number for all elements of
-   !> the group or one for each.
+   !> True if the key may have several values: a list, or 'reals' and 'integers', one number for all
+   !> elements of the group or one for each.
    elemental logical function takes_list(key)
       type(key_t), intent(in) :: key
 
-      takes_list = index(key%type, 'list') > 0 .or. key%type == 'reals'
+      takes_list = index(key%type, 'list') > 0 .or. any(key%type == ['reals   ', 'integers'])
    end function takes_list
 
    !> True if the key belongs to a kind of motion; always true in other groups.

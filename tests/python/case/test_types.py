@@ -29,7 +29,8 @@ def test_declared_keys_are_those_of_the_kernel() -> None:
     for name, group in coupled().groups.items():
         assert type(group) is declared[name]
         for key, value in group.items():
-            kind = declared[name].__annotations__[key].split("[")[0]
+            first, *_ = declared[name].__annotations__[key].split(" | ")
+            kind = first.split("[")[0]
             assert isinstance(value, types.get(kind, str if kind == "Literal" else tuple)), key
 
 

@@ -245,7 +245,7 @@ def test_numbers_of_lists() -> None:
         ("law", "choice"),
         ("rtol", "setting of the solver"),
         ("output.dt", "setting of the output"),
-        ("c_over_m_w", "no &damper"),
+        ("damper.c_over_m_w", "no &damper"),
         ("v_p", "gives a_max_g"),
         ("T_S_", "no key"),
         ("T_s(2)", "is no list"),

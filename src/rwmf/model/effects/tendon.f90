@@ -42,7 +42,7 @@ contains
             'strain at which it breaks, that of the prestress included; absent: never')), &
          usually('[1, 300]', optional_key('cable', 'length', 'reals', 'm', '', positive, &
             'length that is strained, with strands or rupture_strain; absent: height')), &
-         dimensional('cable', 'strands', 'reals', '', 'eta_0', of_strands, &
+         dimensional('cable', 'strands', 'integers', '', 'eta_0', of_strands, &
             'number of strands: P(0) = strands strand_area initial_stress'), &
          usually('[1e-5, 0.02]', &
             dimensional('cable', 'strand_area', 'reals', 'm2', 'eta_0', of_strands, &
@@ -81,10 +81,6 @@ contains
          'cable'), error)
       if (allocated(error)) return
       call get_each(values, 'cable', 'strands', area)
-      if (any(abs(area - anint(area)) > 0)) then
-         call fail_key(values, 'cable', 'strands', 'must be whole', error)
-         return
-      end if
       call get_each(values, 'cable', 'strand_area', list)
       area = area*list/unit_of(values, 'N')
       call get_each(values, 'cable', 'initial_stress', stress)

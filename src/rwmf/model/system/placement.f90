@@ -11,7 +11,7 @@ module rwmf_model_system_placement
    use rwmf_model_scene, only: add_term, axis_term, chord_term, elsewhere, in_cable, line_term, &
       rise_term, term_t, under_corner
    use rwmf_model_spring, only: spring_t
-   use rwmf_model_stroke, only: along_axis, along_chord, along_line, stroke_t, vertical
+   use rwmf_model_stroke, only: along_axis, along_chord, along_line, stroke_t, rising
    use rwmf_problem_case, only: case_t, devices_t
    use rwmf_problem_tendon_stroke, only: elongation_at_alpha
    implicit none
@@ -65,7 +65,7 @@ contains
             acts=path))
          if (any(kind == along_chord .and. .not. is_nonlinear)) call add_term(scene, &
             term_t(chord_term, n_coef=chord_coefficients, acts=under_corner))
-         if (any(kind == vertical)) call add_term(scene, term_t(rise_term, &
+         if (any(kind == rising)) call add_term(scene, term_t(rise_term, &
             n_coef=rise_coefficients, acts=elsewhere))
       end associate
    end subroutine add_element_terms
@@ -141,10 +141,10 @@ contains
             device%stroke = stroke_t(along_chord, arms_of(equation, wall%b, offset(i)))
             select case (group)
             case (of_coupling)
-               device%stroke = stroke_t(vertical, [-1, 0, 1]*(2*wall%b + devices%span))
+               device%stroke = stroke_t(rising, [-1, 0, 1]*(2*wall%b + devices%span))
                device%weight = (walls - 1)/walls
             case (of_restraint)
-               device%stroke%kind = vertical
+               device%stroke%kind = rising
                device%stroke%height = devices%height(i)
                device%weight = 1/walls
             case default
