@@ -197,7 +197,9 @@ def test_a_wall_on_both_fuses_is_refused(eta_y: float) -> None:
     )
     instants = []
     for method in METHODS:
-        with pytest.raises(rwmf.RwmfError, match="stands on its fuses, couplings or restraints at t = ") as failure:
+        with pytest.raises(
+            rwmf.RwmfError, match="stands on its fuses, couplings or restraints at t = "
+        ) as failure:
             rwmf.simulate(case.replace(solver={"method": method}))
         instants.append(float(str(failure.value).split("t = ")[1].split(" s")[0]))
     assert instants == pytest.approx([instants[0]] * len(METHODS), rel=1e-7)

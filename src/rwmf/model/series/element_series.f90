@@ -83,10 +83,11 @@ contains
       !! coefficients as of `add_chords`
       type(series_motion_t), intent(inout) :: motion
 
-      if (any(abs(coef(:, 1)) > 0)) call expand_half_angle(n, motion)
-      motion%moment(:, n) = motion%moment(:, n) - (coef(:, 1)*motion%half_cosine(:, n) &
-         + 0.5_wp*(coef(:, 2)*motion%sine(:, n) + coef(:, 3)*(motion%rate(:, n) &
-         + motion%cosine_rate(:, n))))
+      motion%moment(:, n) = motion%moment(:, n) - 0.5_wp*(coef(:, 2)*motion%sine(:, n) &
+         + coef(:, 3)*(motion%rate(:, n) + motion%cosine_rate(:, n)))
+      if (all(abs(coef(:, 1)) <= 0)) return
+      call expand_half_angle(n, motion)
+      motion%moment(:, n) = motion%moment(:, n) - coef(:, 1)*motion%half_cosine(:, n)
    end subroutine expand_chords
 
    !> Add restraints and couplings: springs on their strokes, and viscous dampers.
