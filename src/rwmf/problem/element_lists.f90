@@ -84,17 +84,16 @@ contains
       character(*), intent(in) :: group
       !! name of the group, without &
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: what
+      character(:), allocatable :: place
 
-      what = ''
-      if (has_key(values, group, 'offset')) what = ' offset'
+      place = ''
+      if (has_key(values, group, 'offset')) place = 'offset '
       if (text_of(values, 'model', 'formulation') == 'published') then
-         call fail_group(values, group, what//" must not be given with &model formulation = " &
+         call fail_group(values, group, place//"must not be given with &model formulation = " &
             //"'published'; 'symmetric' and 'exact' allow it", error)
       else if (text_of(values, 'wall', 'base') == 'pinned') then
-         call fail_group(values, group, what &
-            //" must not be given with &wall base = 'pinned': the " &
-            //'arms are those of a wall that rocks', error)
+         call fail_group(values, group, place//"must not be given with &wall base = 'pinned': " &
+            //'the arms are those of a wall that rocks', error)
       end if
    end subroutine check_base
 

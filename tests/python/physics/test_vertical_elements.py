@@ -285,3 +285,28 @@ def test_tendons_that_tip_the_wall_at_rest() -> None:
     case = scene("&cable offset=3.0, eta_0=2.0, eta_alpha=3.0 /")
     with pytest.raises(rwmf.InputError, match="tip the wall at rest to the right"):
         rwmf.simulate(case)
+
+
+@pytest.mark.parametrize(
+    ("groups", "wall", "release", "end"),
+    [
+        # at rest where the moment of the plates is that of the weight
+        ("&coupling eta_y=0.8, stroke_y=0.01 /", ", walls=2", 0.7, 0.63104422),
+        ("&coupling eta_y=0.7, stroke_y=0.01 /", ", walls=3", -0.7, -0.65153566),
+        # a hundred impacts, then rest with forces left in the springs
+        ("&coupling eta_y=0.2, stroke_y=0.01 /", ", walls=2", 0.5, 0.0),
+        ("&fuse offset=0.4, eta_y=0.2, stroke_y=0.01 /", "", 0.5, 0.0),
+    ],
+)
+def test_held_up_or_come_to_rest(groups: str, wall: str, release: float, end: float) -> None:
+    """Elastic unloading after the slow release: all methods end at the same rotation."""
+    case = rwmf.Case.from_text(
+        f"&wall h=4.0, b=1.0{wall} /\n{groups}\n&motion kind='none' /\n"
+        f"&initial theta_over_alpha={release} /\n&model formulation='exact' /\n"
+        "&solver t_end=20.0, rtol=1e-10 /\n&output energy=.true. /\n"
+    )
+    for method in ("taylor", "dop853", "adams"):
+        run = rwmf.simulate(case.replace(solver={"method": method}))
+        assert float(run.theta_end_over_alpha) == pytest.approx(end, abs=1e-8)
+        assert float(run.energy_balance_relative) < 1e-9
+        assert (int(run.impacts) > 100) == (end == 0.0)

@@ -118,8 +118,8 @@ contains
       if (equation%walls > 2) range = [min(range(1), inner), max(range(2), inner)]
    end function normal_range
 
-   !> True if shear and moment along the wall are known: no couplings act at heights that the case
-   !> does not give.
+   !> True if shear and moment along the wall are known. Those of coupled walls are not, because the
+   !> heights of the couplings are unknown.
    pure logical function has_section_forces(equation)
       type(equation_t), intent(in) :: equation
 
