@@ -34,12 +34,12 @@ class Word(NamedTuple):
     ----------
     names : list of str
         The option and its other spellings, or the name of the argument.
-    how : dict
+    settings : dict
         Further arguments of `argparse.ArgumentParser.add_argument`.
     """
 
     names: list[str]
-    how: dict[str, Any]
+    settings: dict[str, Any]
 
 
 class Command(NamedTuple):
@@ -71,13 +71,13 @@ def _word(
     text: str,
     metavar: str | None = None,
     read: Callable[[str], Any] = str,
-    **how: object,
+    **settings: object,
 ) -> Word:
-    return Word(names.split(), {"help": text, "metavar": metavar, "type": read} | how)
+    return Word(names.split(), {"help": text, "metavar": metavar, "type": read} | settings)
 
 
-def _flag(name: str, text: str, **how: object) -> Word:
-    return Word([name], {"help": text, "action": "store_true"} | how)
+def _flag(name: str, text: str, **settings: object) -> Word:
+    return Word([name], {"help": text, "action": "store_true"} | settings)
 
 
 def _list(names: str, text: str, default: str | None = None) -> Word:
@@ -85,17 +85,17 @@ def _list(names: str, text: str, default: str | None = None) -> Word:
     return _word(names, text + shown, "LIST", numbers, default=default)
 
 
-def _out(metavar: str, text: str, **how: object) -> Word:
-    return Word(["--out"], {"help": text, "metavar": metavar, "type": written_file} | how)
+def _out(metavar: str, text: str, **settings: object) -> Word:
+    return Word(["--out"], {"help": text, "metavar": metavar, "type": written_file} | settings)
 
 
 def _plot(content: str) -> Word:
     return _word("--plot", f"draw {content} (png, svg, pdf)", "FILE", written_file)
 
 
-def _records(name: str = "--records", text: str = "", **how: object) -> Word:
+def _records(name: str = "--records", text: str = "", **settings: object) -> Word:
     text = text or "files, folders, lists, fema:far_field and others"
-    return Word([name], {"help": text, "metavar": "RECORD", "nargs": "+"} | how)
+    return Word([name], {"help": text, "metavar": "RECORD", "nargs": "+"} | settings)
 
 
 _ABOVE_0 = number(above=0)

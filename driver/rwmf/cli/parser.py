@@ -97,7 +97,7 @@ def make_parser() -> argparse.ArgumentParser:
         )
         added.set_defaults(run=command.run)
         for word in command.words:
-            added.add_argument(*word.names, **word.how)
+            added.add_argument(*word.names, **word.settings)
     return parser
 
 
