@@ -63,7 +63,11 @@ gfortran, LAPACK, BLAS, Python >= 3.11 with headers, and SUNDIALS (then RWMF_SUN
    quietly "$cache/apt-update.log" apt-get "${apt_options[@]}" update
 }
 
-drop_apt() { [[ -z "${apt_dir:-}" ]] || rm -rf "$apt_dir"; }
+# Forgets the directory too: a later installation prepares its own.
+drop_apt() {
+   [[ -z "${apt_dir:-}" ]] || rm -rf "$apt_dir"
+   apt_dir=
+}
 
 as_root() {
    if [[ "$(id -u)" == 0 ]]; then

@@ -2,7 +2,7 @@
 program test_hybrid
    use check, only: checks_t
    use rwmf_core_error, only: err_numerical, error_t
-   use rwmf_core_kinds, only: pi, wp
+   use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_pairs, only: dormand_prince_853
    use rwmf_model_system_assembly, only: build_equation, equation_t
