@@ -14,7 +14,7 @@ module rwmf_problem_case
 
    public :: case_t, wall_t, frame_t, link_t, devices_t, yielding_t, cable_t
    public :: spring_law_t
-   public :: impact_t, motion_spec_t, inerter_t, vertical_t
+   public :: impact_t, motion_spec_t, inerter_t, vertical_t, base_t
    public :: initial_t, model_choice_t, solver_t, output_t, spectrum_spec_t, structure_t
    public :: keep_numbers, has_numbers, numbers_of, has_floors, has_all_modes
    public :: copy_without_frame, list_links, upward_ratio, seeks
@@ -164,6 +164,24 @@ module rwmf_problem_case
       !! total areas of the strands [m2]; absent: unknown
    end type cable_t
 
+   !> Strip of springs without tension under the base, `&base`.
+   type :: base_t
+      real(wp) :: stiffness = 0
+      !! per length of the base over m_w [1/(m s2)]
+      real(wp) :: modulus = 0
+      !! subgrade modulus [N/m3]; 0: unknown
+      real(wp) :: xi = 0
+      !! damping ratio of the vertical motion in full contact [-]
+      real(wp), allocatable :: delay
+      !! damping over stiffness [s]; absent: from xi
+      real(wp), allocatable :: mu
+      !! coefficient of friction [-]; absent: no sliding
+      real(wp), allocatable :: d_y
+      !! settlement at crushing [m]; absent: elastic
+      integer :: strips = 20
+      !! number of strips that crush one by one
+   end type base_t
+
    !> Energy loss at the impacts of a rocking wall, `&impact`.
    type :: impact_t
       character(8) :: rule = 'coupled'
@@ -312,6 +330,7 @@ module rwmf_problem_case
       type(inerter_t), allocatable :: inerter
       type(cable_t), allocatable :: cable
       type(impact_t) :: impact
+      type(base_t), allocatable :: compliant_base
       type(vertical_t), allocatable :: upward
       type(initial_t), allocatable :: initial
       type(model_choice_t) :: model

@@ -96,6 +96,16 @@ module rwmf_problem_quantity_ids
       integer :: coupling_force_end_over_m_w_g = 215, coupling_force_end_N = 216
       integer :: coupling_ratio = 217, uplift_left_g = 218
       integer :: uplift_right_g = 219
+      integer :: base_height_m = 220, base_slip_m = 221, base_normal_over_m_w_g = 222
+      integer :: base_normal_N = 223, base_shear_over_m_w_g = 224
+      integer :: toe_settlement_max_m = 225, middle_rise_max_m = 226
+      integer :: toe_stress_max_over_k_m = 227, base_normal_max_over_m_w_g = 228
+      integer :: base_normal_min_over_m_w_g = 229, base_normal_max_N = 230
+      integer :: base_normal_min_N = 231, base_shear_max_over_m_w_g = 232
+      integer :: slide_max_m = 233, slide_end_m = 234, slips = 235
+      integer :: crushed_depth_max_m = 236, crushed_left_m = 237, crushed_right_m = 238
+      integer :: middle_end_m = 239, flights = 240, t_flight_first_s = 241
+      integer :: energy_base_J_per_kg = 242, energy_friction_J_per_kg = 243
    end type ids_t
 
    type(ids_t), parameter :: id = ids_t()

@@ -112,6 +112,16 @@ module rwmf_problem_quantity_table
       'restraint', of_rows, '', 'force of restraint {i} over weight of wall'), &
       quantity_t(id%coupling_force_over_m_w_g, 'coupling_force_over_m_w_g', '1', 'row', 'history', &
       'coupling', of_rows, '', 'force of a coupling over weight of wall'), &
+      quantity_t(id%base_height_m, 'base_height_m', 'm', 'row', 'history', 'base', of_rows, '', &
+      'height of the middle of the base'), &
+      quantity_t(id%base_slip_m, 'base_slip_m', 'm', 'row', 'history', 'base', of_rows, '`mu`', &
+      'slip of the base to the right'), &
+      quantity_t(id%base_normal_over_m_w_g, 'base_normal_over_m_w_g', '1', 'row', 'history', &
+      'base', of_rows, '', 'normal force of the base over weight of wall'), &
+      quantity_t(id%base_normal_N, 'base_normal_N', 'N', 'row', 'history', 'base', of_rows, &
+      'a mass', 'normal force of the base', id%base_normal_over_m_w_g), &
+      quantity_t(id%base_shear_over_m_w_g, 'base_shear_over_m_w_g', '1', 'row', 'history', &
+      'base', of_rows, '', 'horizontal force of the base over weight of wall'), &
       quantity_t(id%q_i_m, 'q_{i}_m', 'm', 'row', 'history', 'bending', of_rows, '', &
       'deflection of the top in mode {i} of the wall'), &
       quantity_t(id%floor_i_m, 'floor_{i}_m', 'm', 'row', 'history', 'storeys', of_rows, &
@@ -206,6 +216,45 @@ module rwmf_problem_quantity_table
       'frame', of_displacement, '', 'largest displacement of the frame'), &
       quantity_t(id%tip_deflection_max_m, 'tip_deflection_max_m', 'm', 'peak', 'run ordinate', &
       'bending', of_events, '', 'largest deflection of the top from the straight axis'), &
+      quantity_t(id%toe_settlement_max_m, 'toe_settlement_max_m', 'm', 'peak', 'run ordinate', &
+      'base', of_events, '', 'largest settlement of an edge of the base'), &
+      quantity_t(id%middle_rise_max_m, 'middle_rise_max_m', 'm', 'peak', 'run ordinate', &
+      'base', of_events, '', 'largest height of the middle of the base'), &
+      quantity_t(id%middle_end_m, 'middle_end_m', 'm', 'end', 'run ordinate', 'base', &
+      of_events, '', 'height of the middle of the base at the end'), &
+      quantity_t(id%toe_stress_max_over_k_m, 'toe_stress_max_over_k_m', 'm', 'peak', &
+      'run ordinate', 'base', of_events, '', 'largest stress of the base over its stiffness'), &
+      quantity_t(id%base_normal_max_over_m_w_g, 'base_normal_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'base', of_events, '', &
+      'largest normal force of the base over weight of wall'), &
+      quantity_t(id%base_normal_min_over_m_w_g, 'base_normal_min_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'base', of_events, '', &
+      'smallest normal force of the base over weight of wall'), &
+      quantity_t(id%base_normal_max_N, 'base_normal_max_N', 'N', 'peak', 'run ordinate', &
+      'base', of_events, 'a mass', 'largest normal force of the base', &
+      id%base_normal_max_over_m_w_g), &
+      quantity_t(id%base_normal_min_N, 'base_normal_min_N', 'N', 'peak', 'run ordinate', &
+      'base', of_events, 'a mass', 'smallest normal force of the base', &
+      id%base_normal_min_over_m_w_g), &
+      quantity_t(id%base_shear_max_over_m_w_g, 'base_shear_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'base', of_events, '', &
+      'largest horizontal force of the base over weight of wall'), &
+      quantity_t(id%slide_max_m, 'slide_max_m', 'm', 'peak', 'run ordinate', 'base', of_events, &
+      '`mu`', 'largest slip of the base'), &
+      quantity_t(id%slide_end_m, 'slide_end_m', 'm', 'end', 'run ordinate', 'base', of_events, &
+      '`mu`', 'slip of the base to the right at the end'), &
+      quantity_t(id%slips, 'slips', '1', 'count', 'run ordinate', 'base', of_events, '`mu`', &
+      'slips of the base that began or reversed', kind='int'), &
+      quantity_t(id%crushed_depth_max_m, 'crushed_depth_max_m', 'm', 'end', 'run ordinate', &
+      'base', of_events, '`d_y`', 'largest crushed depth of the base'), &
+      quantity_t(id%crushed_left_m, 'crushed_left_m', 'm', 'end', 'run ordinate', 'base', &
+      of_events, '`d_y`', 'crushed depth of the leftmost strip'), &
+      quantity_t(id%crushed_right_m, 'crushed_right_m', 'm', 'end', 'run ordinate', 'base', &
+      of_events, '`d_y`', 'crushed depth of the rightmost strip'), &
+      quantity_t(id%flights, 'flights', '1', 'count', 'run ordinate', 'base', of_events, '', &
+      'times that the wall has left its base', kind='int'), &
+      quantity_t(id%t_flight_first_s, 't_flight_first_s', 's', 'time', 'run ordinate', 'base', &
+      of_events, '', 'first of these times'), &
       quantity_t(id%t_u_s_max_s, 't_u_s_max_s', 's', 'time', 'run ordinate cost', 'frame', &
       of_events, '', 'first time of the largest displacement'), &
       quantity_t(id%theta_max_over_alpha, 'theta_max_over_alpha', '1', 'peak', 'run ordinate', &
@@ -571,9 +620,10 @@ module rwmf_problem_quantity_table
       quantity_t(id%pivot_normal_max_N, 'pivot_normal_max_N', 'N', 'peak', 'run ordinate', 'wall', &
       of_envelopes, 'a mass', 'largest pivot reaction', id%pivot_normal_max_over_m_w_g), &
       quantity_t(id%contact_length_min_m, 'contact_length_min_m', 'm', 'peak', 'run ordinate', &
-      'base_section', of_envelopes, '', 'smallest contact length of the base'), &
+      '', of_envelopes, '`&base_section` or `&base`', 'smallest contact length of the base'), &
       quantity_t(id%toe_stress_max_Pa, 'toe_stress_max_Pa', 'Pa', 'peak', 'run ordinate', &
-      'base_section', of_envelopes, '', 'largest compressive stress at the toe of the wall'), &
+      '', of_envelopes, '`&base_section` or `&base`', &
+      'largest compressive stress at the toe of the wall'), &
       quantity_t(id%toe_strain_max, 'toe_strain_max', '1', 'peak', 'run ordinate', 'base_section', &
       of_envelopes, '`E` or `length`', 'largest compressive strain at the toe of the wall')]
 
@@ -609,6 +659,11 @@ module rwmf_problem_quantity_table
       quantity_t(id%energy_bending_damping_J_per_kg, 'energy_bending_damping_J_per_kg', 'J/kg', &
       'end', 'history run ordinate', 'bending', of_energy, '', &
       'energy dissipated by the modes of the wall'), &
+      quantity_t(id%energy_base_J_per_kg, 'energy_base_J_per_kg', 'J/kg', 'end', &
+      'run ordinate', 'base', of_energy, '', &
+      'energy dissipated by damping and crushing of the base'), &
+      quantity_t(id%energy_friction_J_per_kg, 'energy_friction_J_per_kg', 'J/kg', 'end', &
+      'run ordinate', 'base', of_energy, '`mu`', 'energy dissipated by slip of the base'), &
       quantity_t(id%energy_balance_relative, 'energy_balance_relative', '1', 'error', &
       'run ordinate', '', of_energy, '', 'residual of the energy ledger')]
 
@@ -801,7 +856,7 @@ contains
       if (quantity%found == 'end') then
          is_limited = index(quantity%outputs, 'run') > 0 .and. quantity%observed /= of_energy
       else if (is_peak(quantity)) then
-         is_limited = index(quantity%key, 'pivot_normal_min') + index(quantity%key, &
+         is_limited = index(quantity%key, '_normal_min') + index(quantity%key, &
             '_stroke_min') + index(quantity%key, '_force_min') == 0
       end if
    end function is_limited

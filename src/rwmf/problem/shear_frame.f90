@@ -8,7 +8,7 @@ module rwmf_problem_shear_frame
    private
 
    public :: floors_group, shear_frame_t, find_modes, enforce_straight_line, scale_masses
-   public :: modal_mass, modal_height, roof_factor, base_shear_share, damping_matrix
+   public :: modal_mass, modal_height, roof_factor, base_shear_share, damping_matrix, stiffness_matrix
 
    character(*), parameter :: floors_group = 'storeys'
    !! group that describes the floors of a frame
@@ -34,27 +34,37 @@ contains
       type(shear_frame_t), intent(inout) :: frame
       !! with m and k
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: stiffness(size(frame%m), size(frame%m))
       real(wp) :: mass(size(frame%m), size(frame%m))
       integer :: i
       integer :: n
 
       n = size(frame%m)
-      stiffness = 0
       mass = 0
       do i = 1, n
          mass(i, i) = frame%m(i)
-         stiffness(i, i) = frame%k(i)
-      end do
-      do i = 1, n - 1
-         stiffness(i, i) = stiffness(i, i) + frame%k(i + 1)
-         stiffness(i, i + 1) = -frame%k(i + 1)
-         stiffness(i + 1, i) = -frame%k(i + 1)
       end do
       if (allocated(frame%omega)) deallocate (frame%omega, frame%shape)
       allocate (frame%omega(n), frame%shape(n, n))
-      call solve_modes(stiffness, mass, frame%omega, frame%shape, error)
+      call solve_modes(stiffness_matrix(frame%k), mass, frame%omega, frame%shape, error)
    end subroutine find_modes
+
+   !> Stiffness matrix of storeys on top of each other [1/s2 times the unit of m].
+   pure function stiffness_matrix(k) result(stiffness)
+      real(wp), intent(in) :: k(:)
+      !! (n) stiffness of each storey from the ground up, in the same unit
+      real(wp) :: stiffness(size(k), size(k))
+      integer :: i
+
+      stiffness = 0
+      do i = 1, size(k)
+         stiffness(i, i) = k(i)
+      end do
+      do i = 1, size(k) - 1
+         stiffness(i, i) = stiffness(i, i) + k(i + 1)
+         stiffness(i, i + 1) = -k(i + 1)
+         stiffness(i + 1, i) = -k(i + 1)
+      end do
+   end function stiffness_matrix
 
    !> Replace the first mode by a straight line, with the frequency of its Rayleigh quotient. A
    !> frame whose floors are all linked to a rigid wall has only this mode.

@@ -26,6 +26,7 @@ module rwmf_simulation_run
       storeys_have_strengths
    use rwmf_problem_quantity_table, only: all_quantities, key_length
    use rwmf_problem_single_run, only: check_single_run
+   use rwmf_simulation_base_base_run, only: run_on_base
    use rwmf_simulation_advance, only: advance, begin_advance
    use rwmf_simulation_finite_check, only: check_result
    use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
@@ -63,15 +64,21 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(equation_t), target :: equation
       class(integrator_t), allocatable :: integrator
-      integer(i8) :: started
-      integer(i8) :: finished
-      integer(i8) :: rate
+      integer(i8) :: started, rate
 
       call check_single_run(case, error)
       if (allocated(error)) return
       if (case%solver%method == 'paper') call check_paper_scene(case, error)
       if (allocated(error)) return
       call system_clock(started, rate)
+      if (allocated(case%compliant_base)) then
+         call run_on_base(case, motion, control, result, error)
+         if (allocated(error)) return
+         call collect_warnings(case, motion, result)
+         call check_result(case, result, error)
+         call measure_time(started, rate, result)
+         return
+      end if
       call build_equation(case, motion, equation)
       call new_integrator(case%solver%method, integrator)
       call repeat_until_scaled(case, equation, integrator, control, result, error)
@@ -81,9 +88,18 @@ contains
       call warn_of_grazing(result)
       call warn_of_chatter(result)
       call warn_of_short_history(case%solver%t_end, result)
+      call measure_time(started, rate, result)
+   end subroutine run_once
+
+   !> Measure the wall-clock time of a run.
+   subroutine measure_time(started, rate, result)
+      integer(i8), intent(in) :: started, rate
+      type(result_t), intent(inout) :: result
+      integer(i8) :: finished
+
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
-   end subroutine run_once
+   end subroutine measure_time
 
    !> Integrate with absolute tolerances for an estimated size of the response.
    !>
@@ -309,7 +325,7 @@ contains
       result%rhs_evaluations = equation%rhs_evaluations
       result%t_end = hybrid%t
       result%final_state = hybrid%y
-      if (.not. allocated(result%warnings)) call collect_warnings(case, equation, result)
+      if (.not. allocated(result%warnings)) call collect_warnings(case, equation%motion, result)
       if (equation%has_frame) then
          result%u_s_max = recorder%u_max
          result%t_u_s_max = recorder%t_u_max
@@ -490,9 +506,9 @@ contains
    end subroutine fill_rest
 
    !> Collect the warnings about the case itself.
-   subroutine collect_warnings(case, equation, result)
+   subroutine collect_warnings(case, motion, result)
       type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
+      type(motion_t), intent(in) :: motion
       type(result_t), intent(inout) :: result
       character(key_length), allocatable :: keys(:)
 
@@ -500,7 +516,7 @@ contains
       if (allocated(case%output)) then
          if (case%output%reactions) keys = all_quantities%key
       end if
-      call list_case_warnings(case, equation%motion, .false., keys, result%warnings)
+      call list_case_warnings(case, motion, .false., keys, result%warnings)
    end subroutine collect_warnings
 
    !> Add the maxima of the wall and its velocity factors to the result.

@@ -47,6 +47,11 @@ contains
       if (allocated(result%demands)) call keep_demands(result%demands, values)
       if (allocated(result%envelopes)) call keep_envelopes(result%envelopes, values)
       if (allocated(result%energy)) call keep_energies(result%energy, values)
+      if (allocated(result%further)) then
+         do i = 1, size(result%further)
+            call keep(values, result%further(i)%number, result%further(i)%value)
+         end do
+      end if
       if (has_floors(case)) then
          call keep_first_mode(case%frame%floors, values)
          call keep(values, id%T_s_s, case%frame%T_s)

@@ -285,6 +285,7 @@ contains
       associate (method => queue%rows%case%solver%method)
          ! lanes share the settings of their error estimates
          if ((method == 'auto' .or. method == 'dop853') &
+            .and. .not. allocated(queue%rows%case%compliant_base) &
             .and. .not. queue%rows%has_own_estimate) then
             call run_lanes(queue, first, threads, control, values, status, evaluations)
             return

@@ -247,7 +247,8 @@ contains
       type(case_t), intent(in) :: case
 
       has_impact = allocated(case%wall) .and. case%impact%rule /= 'none'
-      if (has_impact) has_impact = case%wall%base == 'rocking'
+      if (has_impact) has_impact = case%wall%base == 'rocking' &
+         .and. .not. allocated(case%compliant_base)
    end function has_impact
 
    !> Group `&initial` with its keys and hooks.

@@ -11,9 +11,10 @@ module rwmf_model_effects_list
    use rwmf_model_effects_numbers, only: bending_effect, coupling_effect, damper_effect, &
       effect_count, fuse_effect, impact_table_effect, inerter_effect, link_effect, &
       nl_damper_effect, p_delta_effect, pinned_base_effect, restraint_effect, storeys_effect, &
-      tendon_effect, vertical_effect, yielding_effect
+      compliant_base_effect, tendon_effect, vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta, only: p_delta_group, prepare_p_delta
    use rwmf_model_effects_pinned_base, only: pinned_base_group
+   use rwmf_model_effects_compliant_base, only: compliant_base_group
    use rwmf_model_effects_storeys_storeys, only: prepare_storeys, storeys_group
    use rwmf_model_effects_tendon, only: tendon_group
    use rwmf_model_effects_vertical_motion, only: prepare_vertical, vertical_group
@@ -49,6 +50,7 @@ contains
       effects(bending_effect) = bending_group()
       effects(coupling_effect) = coupling_group()
       effects(restraint_effect) = restraint_group()
+      effects(compliant_base_effect) = compliant_base_group()
    end function all_effects
 
    !> Prepare the contribution of one effect to the equation of motion, if the case has the effect.

@@ -6,7 +6,7 @@ module rwmf_model_effects_numbers
    public :: storeys_effect, link_effect, damper_effect, inerter_effect, fuse_effect, &
       yielding_effect, vertical_effect, pinned_base_effect, impact_table_effect, tendon_effect, &
       p_delta_effect, nl_damper_effect, bending_effect, &
-      coupling_effect, restraint_effect, effect_count
+      coupling_effect, restraint_effect, compliant_base_effect, effect_count
 
    integer, parameter :: storeys_effect = 1
    integer, parameter :: link_effect = 2
@@ -23,6 +23,7 @@ module rwmf_model_effects_numbers
    integer, parameter :: bending_effect = 13
    integer, parameter :: coupling_effect = 14
    integer, parameter :: restraint_effect = 15
-   integer, parameter :: effect_count = 15
+   integer, parameter :: compliant_base_effect = 16
+   integer, parameter :: effect_count = 16
 
 end module rwmf_model_effects_numbers

@@ -6,7 +6,7 @@ module rwmf_simulation_state_result
 
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
    public :: envelope_extremes_t, element_extremes_t, sensitivities_t
-   public :: append_event, shorten_events, add_warning
+   public :: value_t, append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
    public :: event_storey_limit, event_storey_turn, event_storey_zero
@@ -200,6 +200,14 @@ module rwmf_simulation_state_result
       !! [-]; absent if the modulus of the strip is unknown
    end type envelope_extremes_t
 
+   !> Value of a quantity.
+   type :: value_t
+      integer :: number = 0
+      !! in the table of quantities
+      real(wp) :: value = 0
+      !! [unit of its key]
+   end type value_t
+
    !> Sensitivities of one reported peak.
    type :: sensitivities_t
       integer :: number = 0
@@ -302,6 +310,8 @@ module rwmf_simulation_state_result
       !! absent unless requested
       type(envelope_extremes_t), allocatable :: envelopes
       !! absent unless requested
+      type(value_t), allocatable :: further(:)
+      !! values that no component holds
       type(history_t), allocatable :: history
       type(event_t), allocatable :: events(:)
       !! in chronological order; stored only with a history

@@ -1,0 +1,409 @@
+!> Taylor series of a wall on a base that gives, in the time since the start of a step.
+!>
+!> docs/theory/base.md derives the equations. Round n computes coefficient n of everything from
+!> coefficients 0 to n of the states, and then coefficient n + 1 of the states.
+module rwmf_model_base_base_series
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_power_series, only: product_term, quotient_term, root_term
+   use rwmf_model_base_base_scene, only: base_scene_t
+   use rwmf_model_series_series_motion, only: highest_order
+   implicit none
+   private
+
+   public :: base_series_t, base_mode_t, create_series, set_state, expand, state_count
+   public :: is_off, is_pressed, is_crushing, is_settled
+   public :: at_edge, at_first, at_second
+
+   integer, parameter :: at_edge = 0
+   !! contact ends at an edge of the base
+   integer, parameter :: at_first = 1
+   !! contact ends where the strip is not pressed in
+   integer, parameter :: at_second = 2
+   !! contact ends where its damped stress vanishes
+
+   integer, parameter :: is_off = 0
+   !! the strip hangs above its crushed base
+   integer, parameter :: is_pressed = 1
+   !! it carries an elastic stress
+   integer, parameter :: is_crushing = 2
+   !! it yields
+   integer, parameter :: is_settled = 3
+   !! it is pressed in, but rises faster than its base
+
+   !> Regime of the motion: branch of every law between two events.
+   type :: base_mode_t
+      logical :: touches = .true.
+      !! the base is in contact
+      integer :: left = at_edge, right = at_edge
+      !! ends of the contact
+      logical :: is_taut = .true.
+      !! the tendon carries a force
+      integer :: slip = 0
+      !! sign of the slip velocity; 0 if the base sticks
+      integer, allocatable :: strips(:)
+      !! (strips) branch of each, one of `is_off` to `is_settled`
+      real(wp), allocatable :: depth(:)
+      !! (strips) crushed depth of each [m]
+   end type base_mode_t
+
+   !> Series of one step. Index n is the coefficient of the n-th power, in the unit of the quantity
+   !> over s**n.
+   type :: base_series_t
+      integer :: order = -1
+      !! highest coefficient of everything but the states, which have one more
+      real(wp), dimension(0:highest_order) :: x, z, theta
+      !! slip [m], height of the middle of the base [m], rotation [rad]
+      real(wp), dimension(0:highest_order) :: x_dot, z_dot, theta_dot
+      real(wp), dimension(0:highest_order) :: x_ddot, z_ddot, theta_ddot
+      real(wp), allocatable :: q(:, :), q_dot(:, :), q_ddot(:, :)
+      !! (0:highest_order, free floors) displacements [m] and their derivatives
+      real(wp), dimension(0:highest_order) :: ground, upward
+      !! ground acceleration, horizontal and vertical [m/s2]
+      real(wp), dimension(0:highest_order) :: sine, cosine
+      real(wp), dimension(0:highest_order) :: sine_rate, cosine_rate
+      !! sin(theta) theta', cos(theta) theta' [1/s]
+      real(wp), dimension(0:highest_order) :: u, u_dot, u_ddot
+      !! displacement u_r of the wall's top over its base [m] and its derivatives
+      real(wp), dimension(0:highest_order) :: gain, bias
+      !! J = du_r/dtheta [m], and u_r'' for theta'' = 0 [m/s2]
+      real(wp), dimension(0:highest_order) :: lever, inertia
+      !! coefficients of theta'' in the rows of x [m] and theta [m2]
+      real(wp), dimension(0:highest_order) :: a2, b2
+      !! damped stress at xi over k: a2 xi - b2 [-], [m]
+      real(wp), dimension(0:highest_order) :: left, right
+      !! ends of the contact [m]
+      real(wp), dimension(0:highest_order) :: normal, moment, shear
+      !! forces of the base over m_w: N, H [m/s2], and the moment of N about the middle [m2/s2]
+      real(wp), dimension(0:highest_order) :: tendon
+      !! force of the tendon over m_w g [-]
+      real(wp), allocatable :: force(:, :)
+      !! (0:highest_order, 2 + free) forces of the frame on w [m/s2]
+      real(wp), private :: squares(0:highest_order, 2), spans(0:highest_order, 3)
+      !! squares of the ends of the contact; differences of their first to third powers
+      real(wp), private, dimension(0:highest_order) :: span_x, span_z, length, arm, pull
+      !! the tendon between its anchors and its arm about the middle [m2]; its force over m_w and
+      !! its length [1/s2]
+      real(wp), private, dimension(0:highest_order) :: weight, roof
+      !! weight over m_w, and the force of frame and ground on u_r for theta'' = 0 [m/s2]
+   end type base_series_t
+
+contains
+
+   !> Number of states: x, z, theta and their velocities, then those of the free floors.
+   pure integer function state_count(scene) result(n)
+      type(base_scene_t), intent(in) :: scene
+
+      n = 2*(3 + scene%frame%free)
+   end function state_count
+
+   !> Allocate the series of a scene.
+   pure subroutine create_series(scene, series)
+      type(base_scene_t), intent(in) :: scene
+      type(base_series_t), intent(out) :: series
+
+      associate (free => scene%frame%free)
+         allocate (series%q(0:highest_order, free), series%q_dot(0:highest_order, free), &
+            series%q_ddot(0:highest_order, free))
+         allocate (series%force(0:highest_order, 2 + free), source=0.0_wp)
+      end associate
+   end subroutine create_series
+
+   !> Begin the series with the states at the start of the step.
+   pure subroutine set_state(y, ground, upward, series)
+      real(wp), intent(in) :: y(:)
+      !! (states) theta, theta', x, x', z, z', q, q'
+      real(wp), intent(in) :: ground(0:highest_order), upward(0:highest_order)
+      !! accelerations of the ground [m/s2]
+      type(base_series_t), intent(inout) :: series
+      integer :: free
+
+      free = size(series%q, 2)
+      series%order = -1
+      series%theta(0) = y(1)
+      series%theta_dot(0) = y(2)
+      series%x(0) = y(3)
+      series%x_dot(0) = y(4)
+      series%z(0) = y(5)
+      series%z_dot(0) = y(6)
+      series%q(0, :) = y(7:6 + free)
+      series%q_dot(0, :) = y(7 + free:)
+      series%ground = ground
+      series%upward = upward
+   end subroutine set_state
+
+   !> Continue the series to an order.
+   pure subroutine expand(scene, mode, order, series)
+      type(base_scene_t), intent(in) :: scene
+      type(base_mode_t), intent(in) :: mode
+      integer, intent(in) :: order
+      type(base_series_t), intent(inout) :: series
+      integer :: n
+
+      do n = series%order + 1, order
+         call expand_kinematics(n, scene, series)
+         if (scene%strips > 0) then
+            call expand_strips(n, scene, mode, series)
+         else
+            call expand_contact(n, scene, mode, series)
+         end if
+         if (scene%has_tendon) call expand_tendon(n, scene, mode, series)
+         if (scene%frame%n > 0) call expand_frame(n, scene, series)
+         call accelerate(n, scene, mode, series)
+         if (n < highest_order) call continue_states(n + 1, series)
+      end do
+      series%order = order
+   end subroutine expand
+
+   !> Continue the states from their rates.
+   pure subroutine continue_states(n, series)
+      integer, intent(in) :: n
+      !! number of the next coefficient
+      type(base_series_t), intent(inout) :: series
+
+      series%theta(n) = series%theta_dot(n - 1)/n
+      series%theta_dot(n) = series%theta_ddot(n - 1)/n
+      series%x(n) = series%x_dot(n - 1)/n
+      series%x_dot(n) = series%x_ddot(n - 1)/n
+      series%z(n) = series%z_dot(n - 1)/n
+      series%z_dot(n) = series%z_ddot(n - 1)/n
+      series%q(n, :) = series%q_dot(n - 1, :)/n
+      series%q_dot(n, :) = series%q_ddot(n - 1, :)/n
+   end subroutine continue_states
+
+   pure subroutine expand_kinematics(n, scene, series)
+      integer, intent(in) :: n
+      type(base_scene_t), intent(in) :: scene
+      type(base_series_t), intent(inout) :: series
+
+      associate (of => series, h => scene%h, b => scene%b)
+         if (n == 0) then
+            of%sine(0) = sin(of%theta(0))
+            of%cosine(0) = cos(of%theta(0))
+            of%u(0) = 2*h*of%sine(0) + 2*b*sin(of%theta(0)/2)**2
+         else
+            of%sine(n) = of%cosine_rate(n - 1)/n
+            of%cosine(n) = -of%sine_rate(n - 1)/n
+            of%u(n) = 2*h*of%sine(n) - b*of%cosine(n)
+         end if
+         of%sine_rate(n) = product_term(n, of%sine, of%theta_dot)
+         of%cosine_rate(n) = product_term(n, of%cosine, of%theta_dot)
+         of%gain(n) = 2*h*of%cosine(n) + b*of%sine(n)
+         of%u_dot(n) = 2*h*of%cosine_rate(n) + b*of%sine_rate(n)
+         of%a2(n) = of%sine(n) + scene%delay*of%cosine_rate(n)
+         of%b2(n) = of%z(n) + scene%delay*of%z_dot(n)
+      end associate
+   end subroutine expand_kinematics
+
+   !> Expand the forces of an elastic strip from the ends of its contact.
+   pure subroutine expand_contact(n, scene, mode, series)
+      integer, intent(in) :: n
+      type(base_scene_t), intent(in) :: scene
+      type(base_mode_t), intent(in) :: mode
+      type(base_series_t), intent(inout) :: series
+
+      associate (of => series)
+         of%normal(n) = 0
+         of%moment(n) = 0
+         of%left(n) = 0
+         of%right(n) = 0
+         if (.not. mode%touches) return
+         of%left(n) = contact_end(mode%left, -scene%b, of%left)
+         of%right(n) = contact_end(mode%right, scene%b, of%right)
+         of%squares(n, 1) = product_term(n, of%right, of%right)
+         of%squares(n, 2) = product_term(n, of%left, of%left)
+         of%spans(n, 1) = of%right(n) - of%left(n)
+         of%spans(n, 2) = of%squares(n, 1) - of%squares(n, 2)
+         of%spans(n, 3) = product_term(n, of%squares(:, 1), of%right) - product_term(n, &
+            of%squares(:, 2), of%left)
+         of%normal(n) = scene%kappa*(product_term(n, of%a2, of%spans(:, 2))/2 &
+            - product_term(n, of%b2, of%spans(:, 1)))
+         of%moment(n) = scene%kappa*(product_term(n, of%a2, of%spans(:, 3))/3 &
+            - product_term(n, of%b2, of%spans(:, 2))/2)
+      end associate
+
+   contains
+
+      !> Coefficient n of an end of the contact.
+      pure real(wp) function contact_end(kind, edge, past) result(c)
+         integer, intent(in) :: kind
+         real(wp), intent(in) :: edge
+         !! [m]
+         real(wp), intent(in) :: past(0:highest_order)
+         !! coefficients below n [m]
+
+         select case (kind)
+         case (at_first)
+            c = quotient_term(n, series%z(n), series%sine, past)
+         case (at_second)
+            c = quotient_term(n, series%b2(n), series%a2, past)
+         case default
+            c = merge(edge, 0.0_wp, n == 0)
+         end select
+      end function contact_end
+   end subroutine expand_contact
+
+   !> Add up the forces of strips on their branches.
+   pure subroutine expand_strips(n, scene, mode, series)
+      integer, intent(in) :: n
+      type(base_scene_t), intent(in) :: scene
+      type(base_mode_t), intent(in) :: mode
+      type(base_series_t), intent(inout) :: series
+      real(wp) :: flow(2), stress
+      integer :: i
+
+      associate (of => series)
+         ! rate of the settlement: flow(1) xi - flow(2)
+         flow = scene%delay*[of%cosine_rate(n), of%z_dot(n)]
+         of%normal(n) = 0
+         of%moment(n) = 0
+         do i = 1, scene%strips
+            associate (xi => scene%place(i))
+               select case (mode%strips(i))
+               case (is_pressed)
+                  stress = of%a2(n)*xi - of%b2(n)
+                  if (n == 0) stress = stress - mode%depth(i)
+               case (is_crushing)
+                  stress = flow(1)*xi - flow(2)
+                  if (n == 0) stress = stress + scene%d_y
+               case default
+                  cycle
+               end select
+               of%normal(n) = of%normal(n) + scene%kappa*scene%width*stress
+               of%moment(n) = of%moment(n) + scene%kappa*scene%width*xi*stress
+            end associate
+         end do
+      end associate
+   end subroutine expand_strips
+
+   !> Expand length and force of the tendon.
+   pure subroutine expand_tendon(n, scene, mode, series)
+      integer, intent(in) :: n
+      type(base_scene_t), intent(in) :: scene
+      type(base_mode_t), intent(in) :: mode
+      type(base_series_t), intent(inout) :: series
+      real(wp) :: square
+
+      associate (of => series)
+         of%span_x(n) = of%x(n) + 2*scene%h*of%sine(n)
+         of%span_z(n) = of%z(n) + 2*scene%h*of%cosine(n)
+         square = product_term(n, of%span_x, of%span_x) + product_term(n, of%span_z, of%span_z)
+         if (n == 0) then
+            of%length(0) = sqrt(square)
+            of%tendon(0) = scene%eta_0 + scene%eta_slope*(of%length(0) - scene%l_0)
+         else
+            of%length(n) = root_term(n, square, of%length)
+            of%tendon(n) = scene%eta_slope*of%length(n)
+         end if
+         of%pull(n) = 0
+         if (mode%is_taut) of%pull(n) = quotient_term(n, scene%g*of%tendon(n), of%length, of%pull)
+      end associate
+   end subroutine expand_tendon
+
+   !> Expand the forces of storeys, dampers and links on w.
+   pure subroutine expand_frame(n, scene, series)
+      integer, intent(in) :: n
+      type(base_scene_t), intent(in) :: scene
+      type(base_series_t), intent(inout) :: series
+      integer :: i, j
+
+      associate (of => series, frame => scene%frame)
+         do i = 1, 2 + frame%free
+            of%force(n, i) = frame%k(1, i)*of%x(n) + frame%k(2, i)*of%u(n) &
+               + frame%c(1, i)*of%x_dot(n) + frame%c(2, i)*of%u_dot(n)
+            do j = 1, frame%free
+               of%force(n, i) = of%force(n, i) + frame%k(2 + j, i)*of%q(n, j) &
+                  + frame%c(2 + j, i)*of%q_dot(n, j)
+            end do
+            if (i > 2) of%q_ddot(n, i - 2) = -of%force(n, i)/frame%m(i - 2) - of%ground(n)
+         end do
+      end associate
+   end subroutine expand_frame
+
+   !> Solve the rows of x, z and theta for the accelerations, and for H where the base sticks.
+   pure subroutine accelerate(n, scene, mode, series)
+      integer, intent(in) :: n
+      type(base_scene_t), intent(in) :: scene
+      type(base_mode_t), intent(in) :: mode
+      type(base_series_t), intent(inout) :: series
+      real(wp) :: row(3)
+      real(wp) :: mass
+      !! that slips [-]
+      real(wp) :: own
+      !! inertia of the rotation, without what moves freely with it [m2]
+
+      associate (of => series, h => scene%h)
+         call sum_forces(n, scene, series, row)
+         row(1) = row(1) - known(of%lever, of%theta_ddot)
+         row(2) = row(2) + h*known(of%sine, of%theta_ddot)
+         row(3) = row(3) + h*known(of%sine, of%z_ddot) - known(of%inertia, of%theta_ddot) &
+            - known(of%lever, of%x_ddot)
+         own = of%inertia(0) - (h*of%sine(0))**2
+         if (.not. scene%slides .or. (mode%slip == 0 .and. mode%touches)) then
+            of%theta_ddot(n) = (row(3) + h*of%sine(0)*row(2))/own
+            of%x_ddot(n) = 0
+            of%shear(n) = of%lever(0)*of%theta_ddot(n) - row(1)
+         else
+            of%shear(n) = 0
+            if (mode%touches) of%shear(n) = -mode%slip*scene%mu*of%normal(n)
+            row(1) = row(1) + of%shear(n)
+            mass = 1 + scene%frame%mass(1, 1)
+            of%theta_ddot(n) = (row(3) + h*of%sine(0)*row(2) - of%lever(0)*row(1)/mass) &
+               /(own - of%lever(0)**2/mass)
+            of%x_ddot(n) = (row(1) - of%lever(0)*of%theta_ddot(n))/mass
+         end if
+         of%z_ddot(n) = row(2) + h*of%sine(0)*of%theta_ddot(n)
+         of%u_ddot(n) = of%bias(n) + product_term(n, of%gain, of%theta_ddot)
+      end associate
+
+   contains
+
+      !> Part of coefficient n of a product that needs only coefficients below n of the second
+      !> series.
+      pure real(wp) function known(a, b) result(c)
+         real(wp), intent(in) :: a(0:highest_order), b(0:highest_order)
+         integer :: k
+
+         c = 0
+         do k = 1, n
+            c = c + a(k)*b(n - k)
+         end do
+      end function known
+   end subroutine accelerate
+
+   !> Sum the forces on x, z and theta that do not depend on the accelerations or on H.
+   pure subroutine sum_forces(n, scene, series, row)
+      integer, intent(in) :: n
+      type(base_scene_t), intent(in) :: scene
+      type(base_series_t), intent(inout) :: series
+      real(wp), intent(out) :: row(3)
+      !! coefficient n [m/s2], [m/s2], [m2/s2]
+      real(wp) :: spin(2)
+
+      associate (of => series, h => scene%h, frame => scene%frame)
+         spin = [product_term(n, of%sine_rate, of%theta_dot), &
+            product_term(n, of%cosine_rate, of%theta_dot)]
+         of%bias(n) = -2*h*spin(1) + scene%b*spin(2)
+         of%lever(n) = h*of%cosine(n) + frame%mass(1, 2)*of%gain(n)
+         of%inertia(n) = 0
+         of%weight(n) = of%upward(n)
+         if (n == 0) of%inertia(0) = scene%inertia
+         if (n == 0) of%weight(0) = of%upward(0) + scene%g
+         row = [h*spin(1) - of%ground(n), of%normal(n) + h*spin(2) - of%weight(n), &
+            h*product_term(n, of%weight, of%sine) - h*product_term(n, of%ground, of%cosine) &
+            - product_term(n, of%cosine, of%moment)]
+         if (frame%n > 0) then
+            of%inertia(n) = of%inertia(n) + frame%mass(2, 2)*product_term(n, of%gain, of%gain)
+            of%roof(n) = of%force(n, 2) + frame%excited(2)*of%ground(n) + frame%mass(2, 2)*of%bias(n)
+            row(1) = row(1) - frame%excited(1)*of%ground(n) - of%force(n, 1) &
+               - frame%mass(1, 2)*of%bias(n)
+            row(3) = row(3) - product_term(n, of%gain, of%roof)
+         end if
+         if (scene%has_tendon) then
+            of%arm(n) = 2*h*(product_term(n, of%x, of%cosine) - product_term(n, of%z, of%sine))
+            row = row - [product_term(n, of%pull, of%span_x), product_term(n, of%pull, &
+               of%span_z), product_term(n, of%pull, of%arm)]
+         end if
+      end associate
+   end subroutine sum_forces
+
+end module rwmf_model_base_base_series

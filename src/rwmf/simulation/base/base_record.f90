@@ -1,0 +1,473 @@
+!> Outputs of a wall on a base that gives: extremes, energies and history, from the series of each
+!> step.
+!>
+!> Every output is a column: a series of the step. A row of the history evaluates it; an extreme is
+!> searched where the terms of the series allow a new record.
+module rwmf_simulation_base_base_record
+   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_polynomial_roots, only: find_largest
+   use rwmf_math_power_series, only: product_term, series_value
+   use rwmf_model_base_base_regime, only: base_regime_t
+   use rwmf_model_base_base_scene, only: base_scene_t
+   use rwmf_model_base_base_series, only: base_series_t, is_crushing, is_pressed
+   use rwmf_model_history_row, only: numbered
+   use rwmf_model_series_series_motion, only: highest_order
+   use rwmf_problem_case, only: case_t, seeks
+   use rwmf_problem_quantity_table, only: all_quantities, id, key_length, key_of
+   use rwmf_simulation_state_newtons, only: weight_under
+   use rwmf_simulation_state_result, only: energy_t, history_t
+   implicit none
+   private
+
+   public :: base_record_t, create_record, observe_step, stored_t, stored_energies
+   public :: of_u, of_theta, of_rate, of_middle, of_left, of_right, of_normal, of_shear
+   public :: of_contact, of_slip, of_tendon, of_stress, first_floor
+
+   integer, parameter :: of_u = 1, of_theta = 2, of_rate = 3
+   !! u_s [m], theta [rad], theta' [rad/s]
+   integer, parameter :: of_middle = 4, of_left = 5, of_right = 6
+   !! height of the middle, settlement of both edges [m]
+   integer, parameter :: of_normal = 7, of_shear = 8
+   !! forces of the base over m_w g [-]
+   integer, parameter :: of_contact = 9, of_slip = 10
+   !! contact length, slip [m]
+   integer, parameter :: of_tendon = 11
+   !! force over m_w g [-]
+   integer, parameter :: of_stress = 12
+   !! stress at the left end of the contact over k [m]; the next: at the right end
+   integer, parameter :: of_u_rate = 14, of_turn = 15, of_ground = 16, of_upward = 17
+   !! u_s' [m/s], theta'' [rad/s2], accelerations of the ground [m/s2]
+   integer, parameter :: first_floor = 18
+   !! drifts [-] of all storeys, then accelerations of all floors over g [-]
+
+   !> Column of the history.
+   type :: column_t
+      integer :: number = 0
+      !! of the series; 0 for the time
+      real(wp) :: factor = 1
+      !! unit of the series in the unit of the column
+   end type column_t
+
+   !> Columns with their extremes so far, energies and history.
+   type :: base_record_t
+      real(wp), allocatable :: series(:, :)
+      !! (0:highest_order, columns)
+      logical, allocatable :: is_sought(:)
+      !! (columns) their extremes are requested
+      real(wp), allocatable :: extremes(:, :), times(:, :)
+      !! (2, columns) smallest and largest value, and their times [s]
+      real(wp) :: stress = 0
+      !! largest stress of strips over k [m]
+      logical :: keeps_energy = .false.
+      type(energy_t) :: energy
+      real(wp) :: base_start = 0
+      !! stored in the base at the start [J/kg]
+      real(wp) :: base_work = 0
+      !! of the wall on its base [J/kg]
+      real(wp) :: friction = 0
+      !! dissipated by slip [J/kg]
+      type(history_t), allocatable :: history
+      type(column_t), allocatable :: columns(:)
+      !! of the history
+      integer :: rows = 0
+      !! of the history, written so far
+      real(wp) :: dt = 0
+      !! interval of the history [s]
+   end type base_record_t
+
+   !> Energies of a state, zero for the wall at rest [J/kg].
+   type :: stored_t
+      real(wp) :: kinetic = 0
+      real(wp) :: strain = 0
+      !! of the frame
+      real(wp) :: gravity = 0
+      real(wp) :: cable = 0
+      real(wp) :: base = 0
+   end type stored_t
+
+contains
+
+   !> Allocate the columns that a case requests.
+   subroutine create_record(case, scene, regime, y, record, error)
+      type(case_t), intent(in) :: case
+      type(base_scene_t), intent(in) :: scene
+      type(base_regime_t), intent(in) :: regime
+      real(wp), intent(in) :: y(:)
+      !! (states) at the start
+      type(base_record_t), intent(out) :: record
+      type(error_t), allocatable, intent(out) :: error
+      !! the history does not fit into memory
+      type(stored_t) :: stored
+      integer :: n
+
+      n = first_floor - 1 + 2*scene%frame%n
+      allocate (record%series(0:highest_order, n), source=0.0_wp)
+      allocate (record%is_sought(n), source=.false.)
+      allocate (record%extremes(2, n), record%times(2, n), source=0.0_wp)
+      record%extremes(1, :) = huge(1.0_wp)
+      record%extremes(2, :) = -huge(1.0_wp)
+      record%is_sought(:of_rate) = .true.
+      if (.not. allocated(case%output)) return
+      associate (output => case%output, sought => record%is_sought)
+         sought(of_middle) = seeks(output, [id%middle_rise_max_m])
+         sought(of_left:of_right) = seeks(output, [id%toe_settlement_max_m])
+         sought(of_normal) = seeks(output, [id%base_normal_max_over_m_w_g, &
+            id%base_normal_min_over_m_w_g])
+         sought(of_shear) = seeks(output, [id%base_shear_max_over_m_w_g])
+         sought(of_contact) = seeks(output, [id%contact_length_min_m])
+         sought(of_slip) = scene%slides .and. seeks(output, [id%slide_max_m])
+         sought(of_tendon) = scene%has_tendon .and. seeks(output, &
+            [id%cable_force_increment_max_over_m_w_g, id%tendon_force_max_over_m_w_g])
+         sought(of_stress:of_stress + 1) = seeks(output, [id%toe_stress_max_over_k_m, &
+            id%toe_stress_max_Pa])
+         sought(first_floor:) = output%demands
+         record%keeps_energy = output%energy
+         stored = stored_energies(scene, regime, y)
+         record%base_start = stored%base
+         record%energy = energy_t(stored%kinetic + stored%strain + stored%gravity + stored%cable &
+            + stored%base, 0, 0, 0, 0, 0)
+         if (.not. allocated(output%dt)) return
+         record%dt = output%dt
+         call create_history(case, scene, record, error)
+      end associate
+   end subroutine create_record
+
+   !> Name the columns of the history and allocate its rows.
+   subroutine create_history(case, scene, record, error)
+      type(case_t), intent(in) :: case
+      type(base_scene_t), intent(in) :: scene
+      type(base_record_t), intent(inout) :: record
+      type(error_t), allocatable, intent(out) :: error
+      character(key_length), allocatable :: names(:)
+      real(wp) :: rows
+      integer :: i, n, status
+
+      allocate (record%history, names(40 + 2*scene%frame%n), record%columns(40 + 2*scene%frame%n))
+      n = 0
+      call add(id%t_s, 0)
+      call add(id%theta_rad, of_theta)
+      call add(id%theta_dot_rad_s, of_rate)
+      call add(id%theta_ddot_rad_s2, of_turn)
+      if (scene%frame%n > 0) call add(id%u_s_m, of_u)
+      if (scene%frame%n > 0) call add(id%u_s_dot_m_s, of_u_rate)
+      call add(id%u_g_ddot_m_s2, of_ground)
+      if (allocated(case%upward)) call add(id%v_g_ddot_m_s2, of_upward)
+      if (scene%has_tendon) call add(id%cable_force_over_m_w_g, of_tendon)
+      call add(id%base_height_m, of_middle)
+      if (scene%slides) call add(id%base_slip_m, of_slip)
+      call add(id%base_normal_over_m_w_g, of_normal)
+      call add(id%base_shear_over_m_w_g, of_shear)
+      call add(id%contact_length_m, of_contact)
+      if (allocated(scene%frame%height)) then
+         do i = 1, scene%frame%n
+            call add(id%storey_i_drift, first_floor + i - 1, i)
+         end do
+      end if
+      do i = 1, scene%frame%n
+         call add(id%floor_i_acceleration_g, first_floor + scene%frame%n + i - 1, i)
+      end do
+      record%columns = record%columns(:n)
+      record%history%names = names(:n)(:len(record%history%names))
+      rows = aint(case%solver%t_end/record%dt*(1 + 8*epsilon(1.0_wp))) + 1
+      status = 1
+      if (rows < real(huge(1), wp)) allocate (record%history%values(int(rows), n), stat=status)
+      if (status /= 0) call fail(error, err_numerical, 'out of memory for the history: &output ' &
+         //'dt gives more rows than fit; raise dt or lower t_end', 'out_of_memory')
+
+   contains
+
+      !> Add a column, and that of the force in N if the case has a mass.
+      subroutine add(quantity, column, floor)
+         integer, intent(in) :: quantity
+         integer, intent(in) :: column
+         integer, intent(in), optional :: floor
+         integer :: row
+
+         n = n + 1
+         names(n) = key_of(quantity)
+         if (present(floor)) names(n) = numbered(trim(key_of(quantity)), floor)
+         record%columns(n) = column_t(column)
+         row = findloc(all_quantities%ratio, quantity, dim=1)
+         if (row == 0 .or. .not. case%unit_mass > 0) return
+         n = n + 1
+         names(n) = all_quantities(row)%key
+         record%columns(n) = column_t(column, weight_under(case, quantity))
+      end subroutine add
+   end subroutine create_history
+
+   !> Record a step.
+   subroutine observe_step(scene, regime, t, h, series, record)
+      type(base_scene_t), intent(in) :: scene
+      type(base_regime_t), intent(in) :: regime
+      real(wp), intent(in) :: t
+      !! start of the step [s]
+      real(wp), intent(in) :: h
+      !! length of the step up to its event [s]
+      type(base_series_t), intent(in) :: series
+      type(base_record_t), intent(inout) :: record
+      integer :: i
+
+      call fill_columns(scene, regime, series, record)
+      do i = 1, size(record%is_sought)
+         if (record%is_sought(i)) call keep_extremes(record%series(:series%order, i), t, h, &
+            record%extremes(:, i), record%times(:, i))
+      end do
+      if (scene%strips > 0 .and. record%is_sought(of_stress)) call observe_strips(scene, regime, h, &
+         series, record%stress)
+      if (record%keeps_energy) call add_work(scene, regime, h, series, record)
+      if (allocated(record%history)) call write_rows(t, h, series%order, record)
+   end subroutine observe_step
+
+   !> Update smallest and largest value of a column.
+   pure subroutine keep_extremes(c, t, h, extremes, times)
+      real(wp), intent(in) :: c(0:)
+      !! series of the column
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: h
+      !! [s]
+      real(wp), intent(inout) :: extremes(2)
+      real(wp), intent(inout) :: times(2)
+      !! [s]
+      real(wp) :: spread, largest, place
+      integer :: k
+
+      spread = 0
+      do k = ubound(c, 1), 1, -1
+         spread = (spread + abs(c(k)))*h
+      end do
+      if (c(0) + spread > extremes(2)) then
+         call find_largest(c, h, largest, place)
+         if (largest > extremes(2)) then
+            extremes(2) = largest
+            times(2) = t + place
+         end if
+      end if
+      if (c(0) - spread < extremes(1)) then
+         call find_largest(-c, h, largest, place)
+         if (-largest < extremes(1)) then
+            extremes(1) = -largest
+            times(1) = t + place
+         end if
+      end if
+   end subroutine keep_extremes
+
+   !> Set the columns to the series of a step.
+   pure subroutine fill_columns(scene, regime, series, record)
+      type(base_scene_t), intent(in) :: scene
+      type(base_regime_t), intent(in) :: regime
+      type(base_series_t), intent(in) :: series
+      type(base_record_t), intent(inout) :: record
+      integer :: k, n
+
+      n = series%order
+      associate (of => series, column => record%series, b => scene%b)
+         column(:n, of_u) = of%x(:n) + of%u(:n)
+         column(:n, of_theta) = of%theta(:n)
+         column(:n, of_rate) = of%theta_dot(:n)
+         if (.not. (allocated(record%history) .or. any(record%is_sought(of_rate + 1:)))) return
+         column(:n, of_middle) = of%z(:n)
+         column(:n, of_left) = -b*of%sine(:n) - of%z(:n)
+         column(:n, of_right) = b*of%sine(:n) - of%z(:n)
+         column(:n, of_normal) = of%normal(:n)/scene%g
+         column(:n, of_shear) = of%shear(:n)/scene%g
+         column(:n, of_slip) = of%x(:n)
+         column(:n, of_tendon) = 0
+         if (scene%has_tendon .and. regime%is_taut) column(:n, of_tendon) = of%tendon(:n)
+         if (scene%strips > 0) then
+            column(:n, of_contact) = 0
+            column(0, of_contact) = scene%width*count(regime%strips == is_pressed &
+               .or. regime%strips == is_crushing)
+         else
+            column(:n, of_contact) = of%right(:n) - of%left(:n)
+            do k = 0, n
+               column(k, of_stress) = product_term(k, of%a2, of%left) - of%b2(k)
+               column(k, of_stress + 1) = product_term(k, of%a2, of%right) - of%b2(k)
+            end do
+            if (.not. regime%touches) column(:n, of_stress:of_stress + 1) = 0
+         end if
+         column(:n, of_u_rate) = of%x_dot(:n) + of%u_dot(:n)
+         column(:n, of_turn) = of%theta_ddot(:n)
+         column(:n, of_ground) = of%ground(:n)
+         column(:n, of_upward) = of%upward(:n)
+      end associate
+      if (scene%frame%n > 0) call fill_floors(scene, series, record)
+   end subroutine fill_columns
+
+   !> Set the columns of the floors.
+   pure subroutine fill_floors(scene, series, record)
+      type(base_scene_t), intent(in) :: scene
+      type(base_series_t), intent(in) :: series
+      type(base_record_t), intent(inout) :: record
+      real(wp) :: place(0:highest_order), below(0:highest_order)
+      integer :: i
+
+      associate (of => series, frame => scene%frame, n => series%order)
+         below = 0
+         do i = 1, frame%n
+            if (i <= frame%free) then
+               place(:n) = of%q(:n, i)
+               record%series(:n, first_floor + frame%n + i - 1) = (of%q_ddot(:n, i) &
+                  + of%ground(:n))/scene%g
+            else
+               place(:n) = of%x(:n) + frame%follows(i, 2)*of%u(:n)
+               record%series(:n, first_floor + frame%n + i - 1) = (of%x_ddot(:n) &
+                  + frame%follows(i, 2)*of%u_ddot(:n) + of%ground(:n))/scene%g
+            end if
+            if (.not. allocated(frame%height)) cycle
+            record%series(:n, first_floor + i - 1) = (place(:n) - below(:n))/frame%height(i)
+            below(:n) = place(:n)
+         end do
+      end associate
+   end subroutine fill_floors
+
+   !> Update the largest stress of the strips.
+   pure subroutine observe_strips(scene, regime, h, series, stress)
+      type(base_scene_t), intent(in) :: scene
+      type(base_regime_t), intent(in) :: regime
+      real(wp), intent(in) :: h
+      !! [s]
+      type(base_series_t), intent(in) :: series
+      real(wp), intent(inout) :: stress
+      !! [m]
+      real(wp) :: c(0:highest_order), extremes(2), times(2)
+      integer :: i
+
+      do i = 1, scene%strips
+         associate (n => series%order, xi => scene%place(i))
+            select case (regime%strips(i))
+            case (is_pressed)
+               c(:n) = xi*series%a2(:n) - series%b2(:n)
+               c(0) = c(0) - regime%depth(i)
+            case (is_crushing)
+               c(:n) = scene%delay*(xi*series%cosine_rate(:n) - series%z_dot(:n))
+               c(0) = c(0) + scene%d_y
+            case default
+               cycle
+            end select
+            extremes = [-huge(stress), stress]
+            call keep_extremes(c(:n), 0.0_wp, h, extremes, times)
+            stress = extremes(2)
+         end associate
+      end do
+   end subroutine observe_strips
+
+   !> Add the work over a step.
+   pure subroutine add_work(scene, regime, h, series, record)
+      type(base_scene_t), intent(in) :: scene
+      type(base_regime_t), intent(in) :: regime
+      real(wp), intent(in) :: h
+      !! [s]
+      type(base_series_t), intent(in) :: series
+      type(base_record_t), intent(inout) :: record
+      real(wp), dimension(0:highest_order) :: push, lift
+      real(wp) :: flow(0:highest_order, 2 + scene%frame%free)
+      real(wp) :: rates(0:highest_order, 2 + scene%frame%free)
+      real(wp) :: power
+      integer :: i, k
+
+      associate (of => series, frame => scene%frame, n => series%order, energy => record%energy)
+         rates(:n, 1) = of%x_dot(:n)
+         rates(:n, 2) = of%u_dot(:n)
+         rates(:n, 3:) = of%q_dot(:n, :)
+         push(:n) = of%x_dot(:n) + scene%h*of%cosine_rate(:n)
+         if (frame%n > 0) then
+            push(:n) = push(:n) + matmul(rates(:n, :), [frame%excited, frame%m(:frame%free)])
+            flow(:n, :) = matmul(rates(:n, :), frame%c)
+         end if
+         lift(:n) = of%z_dot(:n) - scene%h*of%sine_rate(:n)
+         do k = 0, n
+            power = -product_term(k, of%ground, push) - product_term(k, of%upward, lift)
+            energy%input = energy%input + power*h**(k + 1)/(k + 1)
+            power = product_term(k, of%cosine_rate, of%moment) - product_term(k, of%z_dot, of%normal)
+            record%base_work = record%base_work + power*h**(k + 1)/(k + 1)
+            if (regime%slip /= 0) record%friction = record%friction - product_term(k, of%x_dot, &
+               of%shear)*h**(k + 1)/(k + 1)
+            do i = 1, merge(2 + frame%free, 0, frame%n > 0)
+               energy%viscous = energy%viscous + product_term(k, flow(:, i), rates(:, i)) &
+                  *h**(k + 1)/(k + 1)
+            end do
+         end do
+         energy%input_max = max(energy%input_max, abs(energy%input))
+      end associate
+   end subroutine add_work
+
+   !> Write the rows of the history within a step.
+   pure subroutine write_rows(t, h, order, record)
+      real(wp), intent(in) :: t
+      !! start of the step [s]
+      real(wp), intent(in) :: h
+      !! [s]
+      integer, intent(in) :: order
+      type(base_record_t), intent(inout) :: record
+      real(wp) :: time
+      integer :: i
+
+      do while (record%rows < size(record%history%values, 1))
+         time = record%rows*record%dt
+         if (time > t + h) return
+         record%rows = record%rows + 1
+         do i = 1, size(record%columns)
+            associate (column => record%columns(i))
+               if (column%number == 0) then
+                  record%history%values(record%rows, i) = time
+               else
+                  record%history%values(record%rows, i) = column%factor &
+                     *series_value(record%series(:order, column%number), max(0.0_wp, time - t))
+               end if
+            end associate
+         end do
+      end do
+   end subroutine write_rows
+
+   !> Energies of a state.
+   pure type(stored_t) function stored_energies(scene, regime, y) result(stored)
+      type(base_scene_t), intent(in) :: scene
+      type(base_regime_t), intent(in) :: regime
+      real(wp), intent(in) :: y(:)
+      !! (states) as of `set_state`
+      real(wp) :: w(2 + scene%frame%free), rate(2 + scene%frame%free)
+      real(wp) :: s, c, stretch
+
+      s = sin(y(1))
+      c = cos(y(1))
+      associate (h => scene%h, b => scene%b, frame => scene%frame, z => y(5))
+         stored%kinetic = ((y(4) + h*c*y(2))**2 + (y(6) - h*s*y(2))**2 + (h**2 + b**2)/3*y(2)**2)/2
+         if (frame%n > 0) then
+            w = [y(3), 2*h*s + 2*b*sin(y(1)/2)**2, y(7:6 + frame%free)]
+            rate = [y(4), (2*h*c + b*s)*y(2), y(7 + frame%free:)]
+            stored%kinetic = stored%kinetic + dot_product(rate(:2), matmul(frame%mass, rate(:2)))/2 &
+               + sum(frame%m(:frame%free)*rate(3:)**2)/2
+            stored%strain = dot_product(w, matmul(frame%k, w))/2
+         end if
+         stored%gravity = scene%g*(z - scene%z_0 - 2*h*sin(y(1)/2)**2)
+         if (scene%has_tendon) then
+            stretch = hypot(y(3) + 2*h*s, z + 2*h*c) - scene%l_0
+            if (.not. regime%is_taut) stretch = -scene%eta_0/scene%eta_slope
+            stored%cable = scene%g*stretch*(scene%eta_0 + scene%eta_slope*stretch/2)
+         end if
+         if (scene%strips > 0) then
+            stored%base = sum(min(scene%d_y, max(0.0_wp, scene%place*s - z - regime%depth))**2) &
+               *scene%width
+         else
+            stored%base = compression(abs(s), z)
+         end if
+         stored%base = scene%kappa/2*(stored%base - 2*b*scene%z_0**2)
+      end associate
+
+   contains
+
+      !> Integral of the squared settlement over the base [m3].
+      pure real(wp) function compression(s, z) result(square)
+         real(wp), intent(in) :: s, z
+
+         if (-scene%b*s - z >= 0) then
+            square = 2*scene%b*z**2 + 2*scene%b**3*s**2/3
+         else
+            square = max(0.0_wp, scene%b*s - z)**3/(3*s)
+         end if
+      end function compression
+   end function stored_energies
+
+end module rwmf_simulation_base_base_record
