@@ -18,7 +18,7 @@ module rwmf_bindings_python_fixed_steps
    use rwmf_model_system_lift_off, only: lifting_side
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_single_run, only: check_single_run
+   use rwmf_problem_single_run, only: check_corners, check_single_run
    use rwmf_simulation_run, only: initial_state
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -76,6 +76,7 @@ contains
 
       measured = empty_measured()
       call check_single_run(case, error)
+      if (.not. allocated(error)) call check_corners(case, 'fixed steps', error)
       call require_number(dt, 'dt', positive, error)
       if (allocated(error)) return
       motion = motion_from_case(case)

@@ -21,6 +21,7 @@ module rwmf_embedding_member
    use rwmf_model_system_assembly, only: build_equation, enter_side
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t, copy_without_frame, list_links, upward_ratio
+   use rwmf_problem_single_run, only: check_corners
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private
@@ -107,8 +108,10 @@ contains
 
       if (.not. allocated(case%wall)) then
          call fail(error, err_input, 'a member needs the group &wall')
-         return
+      else
+         call check_corners(case, 'a member of a host', error)
       end if
+      if (allocated(error)) return
       member%takes_vertical = ieee_is_nan(upward_ratio(case))
       if (.not. member%takes_vertical) member%vertical_ratio = upward_ratio(case)
       call copy_without_frame(case, wall_alone)

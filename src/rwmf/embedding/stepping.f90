@@ -31,7 +31,7 @@ module rwmf_embedding_stepping
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_record, only: upward_group
    use rwmf_problem_rules, only: fail_key
-   use rwmf_problem_single_run, only: check_single_run
+   use rwmf_problem_single_run, only: check_corners, check_single_run
    use rwmf_simulation_state_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_state_result, only: event_t
    use rwmf_text_strings, only: real_to_text
@@ -161,6 +161,7 @@ contains
             //'another method', error)
       else
          call check_single_run(case, error)
+         if (.not. allocated(error)) call check_corners(case, 'a host that steps the wall', error)
       end if
       if (present(t_begin)) call require_number(t_begin, 't_begin', a_time, error)
       if (present(peak)) call require_number(peak, 'peak', positive, error)

@@ -8,7 +8,8 @@ module rwmf_problem_shear_frame
    private
 
    public :: floors_group, shear_frame_t, find_modes, enforce_straight_line, scale_masses
-   public :: modal_mass, modal_height, roof_factor, base_shear_share, damping_matrix, stiffness_matrix
+   public :: modal_mass, modal_height, roof_factor, base_shear_share, damping_matrix
+   public :: stiffness_matrix
 
    character(*), parameter :: floors_group = 'storeys'
    !! group that describes the floors of a frame

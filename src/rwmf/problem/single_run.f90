@@ -9,7 +9,7 @@ module rwmf_problem_single_run
    implicit none
    private
 
-   public :: has_period, check_single_run, check_tolerance
+   public :: has_period, check_single_run, check_tolerance, check_corners
 
 contains
 
@@ -41,6 +41,18 @@ contains
          call fail(error, err_input, '&frame: '//problem)
       end if
    end subroutine check_single_run
+
+   !> Check that the wall rocks on two rigid corners. Fails with `err_input`.
+   subroutine check_corners(case, user, error)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: user
+      !! analysis that needs the corners, for the message
+      type(error_t), allocatable, intent(out) :: error
+
+      if (allocated(case%compliant_base)) call fail(error, err_input, '&base: must not be given ' &
+         //'for '//user//', which knows a wall on two rigid corners; single runs, spectra and ' &
+         //'sweeps know a base that gives')
+   end subroutine check_corners
 
    !> Check that weight and tendons hold the wall on both corners of its base. Fails with
    !> `err_input`.

@@ -76,13 +76,12 @@ contains
          if (allocated(error)) return
          call collect_warnings(case, motion, result)
          call check_result(case, result, error)
-         call measure_time(started, rate, result)
-         return
+      else
+         call build_equation(case, motion, equation)
+         call new_integrator(case%solver%method, integrator)
+         call repeat_until_scaled(case, equation, integrator, control, result, error)
+         call integrator%destroy()
       end if
-      call build_equation(case, motion, equation)
-      call new_integrator(case%solver%method, integrator)
-      call repeat_until_scaled(case, equation, integrator, control, result, error)
-      call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
       call warn_of_toe(case, result)
       call warn_of_grazing(result)

@@ -8,7 +8,7 @@ module rwmf_spectrum_quantities
    use rwmf_problem_case, only: case_t, has_numbers, output_t, structure_t
    use rwmf_problem_frame_strength, only: has_strength
    use rwmf_problem_group_values, only: has_key
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, is_peak, key_length, &
+   use rwmf_problem_quantity_table, only: all_quantities, id, is_of_ordinate, is_peak, key_length, &
       look_up, of_demands, of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, &
       of_velocity, of_verification, own_key, sensitivity_id
    use rwmf_problem_rules, only: fail_key
@@ -18,7 +18,7 @@ module rwmf_spectrum_quantities
    use rwmf_simulation_quantity_words, only: list_quantities
    use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant
-   use rwmf_simulation_state_result, only: result_t
+   use rwmf_simulation_state_result, only: result_t, value_t
    implicit none
    private
 
@@ -236,13 +236,19 @@ contains
       if (allocated(result%collapsed)) result%t_collapse = 0
       if (allocated(result%storey_residual_drift)) result%storey_at_rest = &
          result%storey_residual_drift
-      if (allocated(result%demands%roof_drift_max) .and. (has_strength(case) .or. &
-         allocated(case%fuse))) result%demands%roof_at_rest = 0
+      if (allocated(result%further)) result%further = [result%further, &
+         value_t(id%t_flight_first_s, 0.0_wp)]
+      if (allocated(result%demands)) then
+         if (allocated(result%demands%roof_drift_max) .and. (has_strength(case) .or. &
+            allocated(case%fuse))) result%demands%roof_at_rest = 0
+      end if
       if (allocated(asking%solver%accuracy) .or. asking%solver%verify) then
          result%estimated_relative_error = 0
       end if
-      if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
-      if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
+      if (allocated(result%reactions)) then
+         if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
+         if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
+      end if
       call list_reported(instant, result, is_of_ordinate(all_quantities), keys)
    end subroutine list_applicable
 

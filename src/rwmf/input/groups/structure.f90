@@ -8,7 +8,7 @@ module rwmf_input_groups_structure
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
       has_key, integer_of, logical_of, real_of, text_of
    use rwmf_problem_key, only: any_real, dimensional, not_negative, optional_key, positive, &
-      required, with_si, usually
+      required, unless, usually, with_si
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
    use rwmf_problem_shear_frame, only: floors_group
    use rwmf_text_strings, only: real_to_text
@@ -194,10 +194,10 @@ contains
       group%needs(1) = 'wall'
       group%reasons(1) = 'only a wall has impacts'
       group%keys = [ &
-         optional_key('impact', 'rule', 'choice', '', 'coupled', &
+         unless('base', optional_key('impact', 'rule', 'choice', '', 'coupled', &
             'constant housner coupled table none', &
             'coupled: momentum balance of wall and frame; e, r imply constant, table_e table; ' &
-            //'none: e = 1'), &
+            //'none: e = 1')), &
          optional_key('impact', 'e', 'real', '-', '', '[0, 1]', &
             'factor on the angular velocity at impact; constant: exactly one of e and r', &
             'rule=constant'), &

@@ -1,8 +1,9 @@
 !> Regimes of a wall on a base that gives: functions that end each of them, and the change that
 !> follows.
 !>
-!> A function is positive throughout its regime. Functions that vanish at the start of a step, because
-!> their root has just been passed, are divided by the time, so that this root is not found again.
+!> A function is positive throughout its regime. Functions that vanish at the start of a step,
+!> because their root has just been passed, are divided by the time, so that this root is not found
+!> again.
 module rwmf_model_base_base_regime
    use rwmf_core_kinds, only: wp
    use rwmf_math_polynomial_roots, only: first_negative
@@ -46,7 +47,7 @@ module rwmf_model_base_base_regime
    type :: base_function_t
       integer :: number = 0
       real(wp) :: c(0:highest_order) = 0
-      !! series
+      !! coefficients in powers of s, in the unit of the function
    end type base_function_t
 
 contains
@@ -203,7 +204,7 @@ contains
             case (is_settled)
                call add(first, deep)
                call add(first + 1, -(deep + scene%delay*rate))
-            case (is_crushing)
+            case default
                call add(first + 1, rate)
             end select
          end associate
@@ -214,6 +215,7 @@ contains
    pure subroutine find_event(functions, order, h, event, t)
       type(base_function_t), intent(in) :: functions(:)
       integer, intent(in) :: order
+      !! of the series
       real(wp), intent(in) :: h
       !! length of the step [s]
       integer, intent(out) :: event
@@ -237,7 +239,9 @@ contains
             do k = n, 1, -1
                sum_of_terms = (sum_of_terms + abs(c(k)))*h
             end do
-            if (c(0) < 0 .and. -c(0) <= negligible*sum_of_terms) c(0) = 0
+            ! a slip that begins where H reaches its limit has no acceleration yet
+            if (c(0) < 0 .and. (-c(0) <= negligible*sum_of_terms .or. functions(i)%number &
+                == of_slip)) c(0) = 0
          end do
          if (n > 1) then
             sum_of_terms = 0

@@ -130,7 +130,7 @@ contains
          //trim(real_to_text(-reserve*scene%z_0*base%modulus))//' Pa'
    end subroutine check_strength
 
-   !> Add the straight tendon, stressed on the settled wall. Its stiffness is that of Eq. (1) between
+   !> Add the straight tendon, stressed on the settled wall. Eq. (1) sets its stiffness, between
    !> rest and the rotation alpha about a corner that does not settle.
    pure subroutine add_tendon(case, scene)
       type(case_t), intent(in) :: case

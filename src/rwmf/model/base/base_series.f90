@@ -54,12 +54,15 @@ module rwmf_model_base_base_series
       real(wp), dimension(0:highest_order) :: x, z, theta
       !! slip [m], height of the middle of the base [m], rotation [rad]
       real(wp), dimension(0:highest_order) :: x_dot, z_dot, theta_dot
+      !! their rates [m/s], [m/s], [rad/s]
       real(wp), dimension(0:highest_order) :: x_ddot, z_ddot, theta_ddot
+      !! their accelerations [m/s2], [m/s2], [rad/s2]
       real(wp), allocatable :: q(:, :), q_dot(:, :), q_ddot(:, :)
       !! (0:highest_order, free floors) displacements [m] and their derivatives
       real(wp), dimension(0:highest_order) :: ground, upward
       !! ground acceleration, horizontal and vertical [m/s2]
       real(wp), dimension(0:highest_order) :: sine, cosine
+      !! of theta [-]
       real(wp), dimension(0:highest_order) :: sine_rate, cosine_rate
       !! sin(theta) theta', cos(theta) theta' [1/s]
       real(wp), dimension(0:highest_order) :: u, u_dot, u_ddot
@@ -79,7 +82,8 @@ module rwmf_model_base_base_series
       real(wp), allocatable :: force(:, :)
       !! (0:highest_order, 2 + free) forces of the frame on w [m/s2]
       real(wp), private :: squares(0:highest_order, 2), spans(0:highest_order, 3)
-      !! squares of the ends of the contact; differences of their first to third powers
+      !! squares of the ends of the contact; differences of their first to third powers [m],
+      !! [m2], [m3]
       real(wp), private, dimension(0:highest_order) :: span_x, span_z, length, arm, pull
       !! the tendon between its anchors and its arm about the middle [m2]; its force over m_w and
       !! its length [1/s2]
@@ -136,6 +140,7 @@ contains
       type(base_scene_t), intent(in) :: scene
       type(base_mode_t), intent(in) :: mode
       integer, intent(in) :: order
+      !! highest coefficient on return
       type(base_series_t), intent(inout) :: series
       integer :: n
 
@@ -393,7 +398,8 @@ contains
             - product_term(n, of%cosine, of%moment)]
          if (frame%n > 0) then
             of%inertia(n) = of%inertia(n) + frame%mass(2, 2)*product_term(n, of%gain, of%gain)
-            of%roof(n) = of%force(n, 2) + frame%excited(2)*of%ground(n) + frame%mass(2, 2)*of%bias(n)
+            of%roof(n) = of%force(n, 2) + frame%excited(2)*of%ground(n) &
+               + frame%mass(2, 2)*of%bias(n)
             row(1) = row(1) - frame%excited(1)*of%ground(n) - of%force(n, 1) &
                - frame%mass(1, 2)*of%bias(n)
             row(3) = row(3) - product_term(n, of%gain, of%roof)

@@ -71,8 +71,8 @@ contains
       if (.not. k > 0) return
       source = merge('k', 'E', has_key(values, name, 'k'))
       if (.not. has_key(values, 'wall', 'thickness')) then
-         call fail_key(values, name, source, 'needs &wall thickness and density: the stress is in ' &
-            //'the area of the base', error)
+         call fail_key(values, name, source, 'needs &wall thickness and density: the stress is ' &
+            //'in the area of the base', error)
          return
       end if
       call derive(values, name, 'k_t_over_m_w', source, [k*real_of(values, 'wall', 'thickness') &

@@ -52,7 +52,7 @@ module rwmf_simulation_base_base_record
    !> Columns with their extremes so far, energies and history.
    type :: base_record_t
       real(wp), allocatable :: series(:, :)
-      !! (0:highest_order, columns)
+      !! (0:highest_order, columns) coefficients of each, in its unit
       logical, allocatable :: is_sought(:)
       !! (columns) their extremes are requested
       real(wp), allocatable :: extremes(:, :), times(:, :)
@@ -213,8 +213,8 @@ contains
          if (record%is_sought(i)) call keep_extremes(record%series(:series%order, i), t, h, &
             record%extremes(:, i), record%times(:, i))
       end do
-      if (scene%strips > 0 .and. record%is_sought(of_stress)) call observe_strips(scene, regime, h, &
-         series, record%stress)
+      if (scene%strips > 0 .and. record%is_sought(of_stress)) call observe_strips(scene, regime, &
+         h, series, record%stress)
       if (record%keeps_energy) call add_work(scene, regime, h, series, record)
       if (allocated(record%history)) call write_rows(t, h, series%order, record)
    end subroutine observe_step
@@ -380,7 +380,8 @@ contains
          do k = 0, n
             power = -product_term(k, of%ground, push) - product_term(k, of%upward, lift)
             energy%input = energy%input + power*h**(k + 1)/(k + 1)
-            power = product_term(k, of%cosine_rate, of%moment) - product_term(k, of%z_dot, of%normal)
+            power = product_term(k, of%cosine_rate, of%moment) - product_term(k, of%z_dot, &
+               of%normal)
             record%base_work = record%base_work + power*h**(k + 1)/(k + 1)
             if (regime%slip /= 0) record%friction = record%friction - product_term(k, of%x_dot, &
                of%shear)*h**(k + 1)/(k + 1)
@@ -437,8 +438,8 @@ contains
          if (frame%n > 0) then
             w = [y(3), 2*h*s + 2*b*sin(y(1)/2)**2, y(7:6 + frame%free)]
             rate = [y(4), (2*h*c + b*s)*y(2), y(7 + frame%free:)]
-            stored%kinetic = stored%kinetic + dot_product(rate(:2), matmul(frame%mass, rate(:2)))/2 &
-               + sum(frame%m(:frame%free)*rate(3:)**2)/2
+            stored%kinetic = stored%kinetic + dot_product(rate(:2), matmul(frame%mass, &
+               rate(:2)))/2 + sum(frame%m(:frame%free)*rate(3:)**2)/2
             stored%strain = dot_product(w, matmul(frame%k, w))/2
          end if
          stored%gravity = scene%g*(z - scene%z_0 - 2*h*sin(y(1)/2)**2)

@@ -85,7 +85,8 @@ contains
          call check_work(case, control, progress, error)
          if (allocated(error)) return
       end do
-      if (case%solver%t_end <= 0) call observe_start(scene, motion, series, regime, record, progress)
+      if (case%solver%t_end <= 0) call observe_start(scene, motion, series, regime, record, &
+         progress)
       result%steps = progress%steps
       result%rhs_evaluations = progress%evaluations
       result%t_end = progress%t
@@ -132,7 +133,8 @@ contains
       call begin_step(motion, interval, longest, series, progress)
       call allow_terms(scene, progress)
       do
-         call expand(scene, regime%base_mode_t, min(max(series%order + 2, least_order), progress%highest), series)
+         call expand(scene, regime%base_mode_t, min(max(series%order + 2, least_order), &
+            progress%highest), series)
          reach = accurate_length(progress, series, longest)
          if (series%order == progress%highest .or. reach >= longest) exit
       end do
@@ -151,7 +153,8 @@ contains
          progress%events = 0
          regime%passed = .false.
       end if
-      progress%settlement = max(progress%settlement, scene%b*abs(sin(progress%y(1))) - progress%y(5))
+      progress%settlement = max(progress%settlement, scene%b*abs(sin(progress%y(1))) &
+         - progress%y(5))
       if (.not. all(ieee_is_finite(progress%y)) .or. progress%events > most_events) then
          call fail(error, err_numerical, 'the integration fails at t = ' &
             //trim(real_to_text(progress%t))//' s: raise rtol')

@@ -7,7 +7,7 @@ module rwmf_simulation_pushover_pushover
    use rwmf_model_system_demands, only: building_of
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_single_run, only: check_single_run
+   use rwmf_problem_single_run, only: check_corners, check_single_run
    use rwmf_simulation_pushover_curve, only: static_curve_t
    use rwmf_simulation_pushover_curve_path, only: begin_path, move_roof, curve_path_t
    use rwmf_simulation_pushover_demand_columns, only: prepare_demands
@@ -52,6 +52,7 @@ contains
       integer :: i
 
       call check_single_run(case, error)
+      if (.not. allocated(error)) call check_corners(case, 'a static curve', error)
       if (.not. allocated(error)) call check_drifts(protocol%drifts, error)
       if (allocated(error)) return
       call build_scene(case, protocol, still, path, error)
