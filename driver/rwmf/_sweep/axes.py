@@ -375,7 +375,7 @@ SETTINGS = {
     "solver": "is a setting of the solver",
 }
 # groups that leave short names to others: e and nu are keys of &impact and &motion
-_NEEDS_GROUP = ("base_section", "bending")
+_NEEDS_GROUP = ("base", "base_section", "bending")
 
 
 @functools.cache

@@ -46,6 +46,49 @@ class Wall(Group):
     base: Literal["rocking", "pinned"]
 
 
+class Base(Group):
+    """Group ``&base``.
+
+    Attributes
+    ----------
+    k_t_over_m_w : float
+        Stiffness per length of the base over m_w [1/m/s2].
+    k : float
+        Or the subgrade modulus: stress per settlement, with &wall thickness [N/m3].
+    E : float
+        Or the modulus of elasticity of the strip: k = E/length [Pa].
+    length : float
+        Height of the strip; beside E [m].
+    xi : float
+        Damping ratio of the vertical motion in full contact.
+    delay : float
+        Or the damping over the stiffness, c/k [s].
+    c : float
+        Or the damping per area [N s/m3].
+    mu : float
+        Coefficient of friction; absent: the base does not slide.
+    d_y : float
+        Settlement at which the strip crushes; absent: it is elastic [m].
+    p_y : float
+        Or the stress at which it crushes [Pa].
+    strips : int
+        Number of strips that crush one by one; beside d_y or p_y.
+    """
+
+    __slots__ = ()
+    k_t_over_m_w: float
+    k: float
+    E: float
+    length: float
+    xi: float
+    delay: float
+    c: float
+    mu: float
+    d_y: float
+    p_y: float
+    strips: int
+
+
 class Frame(Group):
     """Group ``&frame``.
 
@@ -740,6 +783,30 @@ class Limits(Group):
         Largest displacement of the frame [m].
     tip_deflection_max_m : float
         Largest deflection of the top from the straight axis [m].
+    toe_settlement_max_m : float
+        Largest settlement of an edge of the base [m].
+    middle_rise_max_m : float
+        Largest height of the middle of the base [m].
+    middle_end_m : float
+        Height of the middle of the base at the end [m].
+    toe_stress_max_over_k_m : float
+        Largest stress of the base over its stiffness [m].
+    base_normal_max_over_m_w_g : float
+        Largest normal force of the base over weight of wall.
+    base_normal_max_N : float
+        Largest normal force of the base [N].
+    base_shear_max_over_m_w_g : float
+        Largest horizontal force of the base over weight of wall.
+    slide_max_m : float
+        Largest slip of the base [m].
+    slide_end_m : float
+        Slip of the base to the right at the end [m].
+    crushed_depth_max_m : float
+        Largest crushed depth of the base [m].
+    crushed_left_m : float
+        Crushed depth of the leftmost strip [m].
+    crushed_right_m : float
+        Crushed depth of the rightmost strip [m].
     theta_max_over_alpha : float
         Largest rotation over slenderness.
     theta_dot_max_rad_s : float
@@ -923,6 +990,18 @@ class Limits(Group):
     __slots__ = ()
     u_s_max_m: float
     tip_deflection_max_m: float
+    toe_settlement_max_m: float
+    middle_rise_max_m: float
+    middle_end_m: float
+    toe_stress_max_over_k_m: float
+    base_normal_max_over_m_w_g: float
+    base_normal_max_N: float
+    base_shear_max_over_m_w_g: float
+    slide_max_m: float
+    slide_end_m: float
+    crushed_depth_max_m: float
+    crushed_left_m: float
+    crushed_right_m: float
     theta_max_over_alpha: float
     theta_dot_max_rad_s: float
     cable_force_increment_max_over_m_w_g: float
@@ -1119,6 +1198,8 @@ class Groups:
     ----------
     wall : Wall
         Group ``&wall``.
+    base : Base
+        Group ``&base``.
     frame : Frame
         Group ``&frame``.
     storeys : Storeys
@@ -1173,6 +1254,7 @@ class Groups:
 
     __slots__ = ()
     wall: Wall
+    base: Base
     frame: Frame
     storeys: Storeys
     link: Link
@@ -1202,6 +1284,7 @@ class Groups:
 
 TYPES: dict[str, type[Group]] = {
     "wall": Wall,
+    "base": Base,
     "frame": Frame,
     "storeys": Storeys,
     "link": Link,

@@ -312,3 +312,17 @@ def test_hosts_and_curves_are_refused() -> None:
         rwmf.Wall(case)
     with pytest.raises(rwmf.InputError, match="&base: must not be given for a static curve"):
         rwmf.pushover(case, [0.01])
+
+
+@pytest.mark.parametrize(
+    ("kappa", "xi", "factor"),
+    [(2e4, 0.0, 0.999), (2e4, 0.2, 0.982), (2e4, 1.0, 0.947), (2e5, 1.0, 0.961), (2e5, 3.0, 0.958)],
+)
+def test_restitution(kappa: float, xi: float, factor: float) -> None:
+    """A free block on a damped base loses less than in Housner's impact."""
+    case = scene(
+        f"&wall h=2.0, b=0.5 /\n&base k_t_over_m_w={kappa}, xi={xi} /\n&motion kind='none' /"
+    )
+    found = rwmf.studies.restitution(case)
+    assert float(found.e) == pytest.approx(factor, abs=6e-4)
+    assert float(found.e_housner) == pytest.approx(1 - 1.5 / 17)
