@@ -275,8 +275,8 @@ module rwmf_problem_quantity_table
       'run ordinate', 'yielding', of_events, '', &
       'displacement at which the frame alone would be without force at the end'), &
       quantity_t(id%theta_end_over_alpha, 'theta_end_over_alpha', '1', 'end', 'run ordinate', &
-      'fuse', of_events, '', &
-      'rotation at the end over alpha, at which fuses may hold the wall up'), &
+      'wall', of_events, 'springs that may hold the wall up, or `&base`', &
+      'rotation at the end over slenderness'), &
       quantity_t(id%storey_i_ductility, 'storey_{i}_ductility', '1', 'peak', 'run ordinate', &
       'yielding', of_storeys, '`storey_u_y`', &
       'largest displacement of storey {i} over that at first yield'), &

@@ -33,8 +33,6 @@ module rwmf_model_base_base_scene
       !! (2 + free, 2 + free) stiffness for w [1/s2]
       real(wp), allocatable :: c(:, :)
       !! (2 + free, 2 + free) damping for w [1/s]
-      real(wp) :: frequency = 0
-      !! largest frequency of floors that move by themselves [rad/s]
    end type base_frame_t
 
    !> Constants of one scene.
@@ -199,15 +197,12 @@ contains
          end associate
          if (has_floors(case) .and. frame%n == 1) frame%excited = frame%excited &
             *roof_factor(floors, 1)
-         if (frame%free > 0) frame%frequency = floors%omega(size(floors%omega))*pace
          if (.not. allocated(case%frame%k_link)) return
          do i = 1, frame%n
             bend = [1.0_wp, share(i), -frame%follows(i, 3:)]
             frame%k = frame%k + case%frame%k_link(i)*spread(bend, 1, size(bend)) &
                *spread(bend, 2, size(bend))
          end do
-         frame%frequency = sqrt(frame%frequency**2 + maxval(case%frame%k_link/frame%m) &
-            + sum(case%frame%k_link))
       end associate
    end subroutine add_frame
 

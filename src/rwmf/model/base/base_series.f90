@@ -79,6 +79,8 @@ module rwmf_model_base_base_series
       !! forces of the base over m_w: N, H [m/s2], and the moment of N about the middle [m2/s2]
       real(wp), dimension(0:highest_order) :: tendon
       !! force of the tendon over m_w g [-]
+      real(wp), dimension(0:highest_order) :: anchor
+      !! horizontal force of the tendon on the ground over m_w [m/s2]
       real(wp), allocatable :: force(:, :)
       !! (0:highest_order, 2 + free) forces of the frame on w [m/s2]
       real(wp), private :: squares(0:highest_order, 2), spans(0:highest_order, 3)
@@ -109,6 +111,7 @@ contains
          allocate (series%q(0:highest_order, free), series%q_dot(0:highest_order, free), &
             series%q_ddot(0:highest_order, free))
          allocate (series%force(0:highest_order, 2 + free), source=0.0_wp)
+         series%anchor = 0
       end associate
    end subroutine create_series
 
@@ -406,8 +409,9 @@ contains
          end if
          if (scene%has_tendon) then
             of%arm(n) = 2*h*(product_term(n, of%x, of%cosine) - product_term(n, of%z, of%sine))
-            row = row - [product_term(n, of%pull, of%span_x), product_term(n, of%pull, &
-               of%span_z), product_term(n, of%pull, of%arm)]
+            of%anchor(n) = product_term(n, of%pull, of%span_x)
+            row = row - [of%anchor(n), product_term(n, of%pull, of%span_z), product_term(n, &
+               of%pull, of%arm)]
          end if
       end associate
    end subroutine sum_forces

@@ -22,7 +22,7 @@ module rwmf_simulation_base_base_record
 
    public :: base_record_t, create_record, observe_step, stored_t, stored_energies
    public :: of_u, of_theta, of_rate, of_middle, of_left, of_right, of_normal, of_shear
-   public :: of_contact, of_slip, of_tendon, of_stress, first_floor
+   public :: of_contact, of_slip, of_tendon, of_stress, of_total, of_drift, first_floor
 
    integer, parameter :: of_u = 1, of_theta = 2, of_rate = 3
    !! u_s [m], theta [rad], theta' [rad/s]
@@ -38,7 +38,10 @@ module rwmf_simulation_base_base_record
    !! stress at the left end of the contact over k [m]; the next: at the right end
    integer, parameter :: of_u_rate = 14, of_turn = 15, of_ground = 16, of_upward = 17
    !! u_s' [m/s], theta'' [rad/s2], accelerations of the ground [m/s2]
-   integer, parameter :: first_floor = 18
+   integer, parameter :: of_total = 18, of_drift = 19
+   !! base shear of wall and frame over their weight [-], displacement of the wall's top over its
+   !! height [-]
+   integer, parameter :: first_floor = 20
    !! drifts [-] of all storeys, then accelerations of all floors over g [-]
 
    !> Column of the history.
@@ -99,8 +102,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the history does not fit into memory
       type(stored_t) :: stored
+      logical :: has_shear
       integer :: n
 
+      has_shear = .true.
       n = first_floor - 1 + 2*scene%frame%n
       allocate (record%series(0:highest_order, n), source=0.0_wp)
       allocate (record%is_sought(n), source=.false.)
@@ -121,6 +126,11 @@ contains
             [id%cable_force_increment_max_over_m_w_g, id%tendon_force_max_over_m_w_g])
          sought(of_stress:of_stress + 1) = seeks(output, [id%toe_stress_max_over_k_m, &
             id%toe_stress_max_Pa])
+         ! one mode of storeys has not the shear of all floors
+         if (allocated(scene%frame%height)) has_shear = size(scene%frame%height) == scene%frame%n
+         sought(of_total) = output%reactions .and. has_shear .and. seeks(output, &
+            [id%base_shear_max_over_weight, id%t_base_shear_max_s])
+         sought(of_drift) = output%reactions .and. seeks(output, [id%wall_drift_max])
          sought(first_floor:) = output%demands
          record%keeps_energy = output%energy
          stored = stored_energies(scene, regime, y)
@@ -291,6 +301,9 @@ contains
          column(:n, of_turn) = of%theta_ddot(:n)
          column(:n, of_ground) = of%ground(:n)
          column(:n, of_upward) = of%upward(:n)
+         column(:n, of_total) = (of%shear(:n) - of%force(:n, 1) - of%anchor(:n)) &
+            /(scene%g*(1 + scene%frame%mass(1, 1) + sum(scene%frame%m(:scene%frame%free))))
+         column(:n, of_drift) = (of%x(:n) + 2*scene%h*of%sine(:n))/(2*scene%h)
       end associate
       if (scene%frame%n > 0) call fill_floors(scene, series, record)
    end subroutine fill_columns

@@ -6,8 +6,8 @@ module rwmf_simulation_base_base_result
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_base_base_record, only: base_record_t, first_floor, of_contact, of_left, &
-      of_middle, of_normal, of_rate, of_right, of_shear, of_slip, of_stress, of_tendon, of_theta, &
-      of_u, stored_energies, stored_t
+      of_middle, of_normal, of_rate, of_right, of_drift, of_shear, of_slip, of_stress, of_tendon, of_theta, &
+      of_total, of_u, stored_energies, stored_t
    use rwmf_simulation_state_result, only: event_t, result_t, value_t
    implicit none
    private
@@ -45,6 +45,7 @@ contains
          - scene%eta_0
       if (allocated(case%output)) then
          call fill_values(case, scene, regime, record, y, result)
+         if (case%output%reactions) call fill_reactions(scene, record, result)
          if (case%output%demands .and. scene%frame%n > 0) call fill_demands(scene, record, result)
          if (record%keeps_energy) call fill_energy(scene, regime, record, y, result)
       end if
@@ -91,7 +92,6 @@ contains
          call add(sought(of_shear), id%base_shear_max_over_m_w_g, max(high(of_shear), &
             -low(of_shear)))
          call add(sought(of_slip), id%slide_max_m, max(high(of_slip), -low(of_slip)))
-         call add(sought(of_tendon), id%tendon_force_max_over_m_w_g, high(of_tendon))
       end associate
       call add(scene%slides, id%slide_end_m, y(3))
       call add(scene%slides, id%slips, real(regime%slips, wp))
@@ -125,6 +125,26 @@ contains
 
       depth = max(regime%depth, scene%place*sin(y(1)) - y(5) - scene%d_y)
    end function depth_at_end
+
+   !> Fill base shear, drifts and the force of the tendon.
+   subroutine fill_reactions(scene, record, result)
+      type(base_scene_t), intent(in) :: scene
+      type(base_record_t), intent(in) :: record
+      type(result_t), intent(inout) :: result
+
+      if (.not. record%is_sought(of_total)) return
+      allocate (result%reactions)
+      associate (low => record%extremes(1, :), high => record%extremes(2, :), &
+                 reactions => result%reactions)
+         reactions%base_shear_max = max(high(of_total), -low(of_total))
+         reactions%t_base_shear_max = record%times(merge(1, 2, -low(of_total) > high(of_total)), &
+            of_total)
+         if (record%is_sought(of_drift)) reactions%wall_drift_max = max(high(of_drift), &
+            -low(of_drift))
+         if (scene%frame%n > 0) reactions%frame_drift_max = result%u_s_max/(2*scene%h)
+         if (record%is_sought(of_tendon)) reactions%tendon_force_max = high(of_tendon)
+      end associate
+   end subroutine fill_reactions
 
    !> Fill drifts of the storeys and accelerations of the floors.
    subroutine fill_demands(scene, record, result)
