@@ -104,7 +104,7 @@ class Row:
             self.end_state_relative_error,
         )
         # NaN where the case has no wall or no impact, but not for the peak
-        return max(self.relative_error, *(error for error in others if not math.isnan(error)))
+        return max([self.relative_error, *(error for error in others if not math.isnan(error))])
 
     def to_dict(self) -> dict[str, Any]:
         """Return the values as the keys of ``rwmf cost --json``."""

@@ -18,7 +18,7 @@ module rwmf_bindings_python_fixed_steps
    use rwmf_model_system_lift_off, only: lifting_side
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_single_run, only: check_corners, check_single_run
+   use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_run, only: initial_state
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -76,9 +76,13 @@ contains
 
       measured = empty_measured()
       call check_single_run(case, error)
-      if (.not. allocated(error)) call check_corners(case, 'fixed steps', error)
       call require_number(dt, 'dt', positive, error)
       if (allocated(error)) return
+      if (allocated(case%compliant_base)) then
+         call fail(error, err_numerical, 'fixed steps know a wall on two rigid corners only', &
+            'not_practised')
+         return
+      end if
       motion = motion_from_case(case)
       call cpu_time(started)
       call build_equation(case, motion, scene%equation)

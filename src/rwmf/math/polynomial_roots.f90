@@ -12,7 +12,7 @@ module rwmf_math_polynomial_roots
    implicit none
    private
 
-   public :: first_negative, find_largest, evaluate
+   public :: first_negative, find_largest, evaluate, highest_degree
 
    integer, parameter :: most_halves = 48
    !! largest number of spans that wait for their turn

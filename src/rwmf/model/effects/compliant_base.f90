@@ -6,7 +6,7 @@ module rwmf_model_effects_compliant_base
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: derive, get_real, group_values_t, has_group, has_key, &
       integer_of, logical_of, real_of, text_of
-   use rwmf_problem_key, only: dimensional, fixed_by, not_negative, optional_key, positive, &
+   use rwmf_problem_key, only: dimensional, not_negative, optional_key, positive, &
       required, usually
    use rwmf_problem_rules, only: fail_group, fail_key
    implicit none
@@ -41,18 +41,14 @@ contains
             'or the damping over the stiffness, c/k'), &
          dimensional(name, 'c', 'real', 'N s/m3', 'delay', 'k', &
             'or the damping per area', not_negative), &
-         usually('[0.2, 1]', fixed_by('it adds the slip to the states', &
-            optional_key(name, 'mu', 'real', '-', '', '[0.01, 3]', &
-            'coefficient of friction; absent: the base does not slide'))), &
-         fixed_by('it adds the crushed depths to the states', &
-            optional_key(name, 'd_y', 'real', 'm', '', positive, &
-            'settlement at which the strip crushes; absent: it is elastic')), &
-         fixed_by('it adds the crushed depths to the states', &
-            usually('[1e4, 2e8]', dimensional(name, 'p_y', 'real', 'Pa', 'd_y', 'k|E', &
-            'or the stress at which it crushes'))), &
-         fixed_by('it adds the crushed depths to the states', &
-            optional_key(name, 'strips', 'integer', '', '20', '[8, 200]', &
-            'number of strips that crush one by one; beside d_y or p_y'))]
+         usually('[0.2, 1]', optional_key(name, 'mu', 'real', '-', '', '[0.01, 3]', &
+            'coefficient of friction; absent: the base does not slide')), &
+         optional_key(name, 'd_y', 'real', 'm', '', positive, &
+            'settlement at which the strip crushes; absent: it is elastic'), &
+         usually('[1e4, 2e8]', dimensional(name, 'p_y', 'real', 'Pa', 'd_y', 'k|E', &
+            'or the stress at which it crushes')), &
+         optional_key(name, 'strips', 'integer', '', '20', '[8, 200]', &
+            'number of strips that crush one by one; beside d_y or p_y')]
       group%derive => derive_base
       group%check => check_base
       group%fill => fill_base

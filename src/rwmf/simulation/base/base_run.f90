@@ -7,6 +7,7 @@ module rwmf_simulation_base_base_run
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_math_polynomial_roots, only: highest_degree
    use rwmf_math_power_series, only: series_value
    use rwmf_model_base_base_regime, only: base_function_t, base_regime_t, begin_regime, &
       change_regime, collect_functions, find_event, of_overturning
@@ -71,6 +72,11 @@ contains
       type(base_function_t), allocatable :: functions(:)
       type(progress_t) :: progress
 
+      if (case%solver%method /= 'auto' .and. case%solver%method /= 'taylor') then
+         call fail(error, err_numerical, "&base is integrated by 'taylor' only, not by '" &
+            //case%solver%method//"'", 'not_practised')
+         return
+      end if
       call build_base_scene(case, scene, error)
       if (allocated(error)) return
       call begin_state(case, scene, progress)
@@ -109,7 +115,8 @@ contains
       progress%y(5) = settlement_at_rest(scene, progress%y(1))
       progress%settlement = -scene%z_0
       progress%rtol = case%solver%rtol
-      progress%highest = min(max(8, 2*nint(-0.55_wp*log10(progress%rtol)) + 2), highest_order - 1)
+      progress%highest = min(max(8, 2*nint(-0.55_wp*log10(progress%rtol)) + 2), &
+         highest_order - 1, highest_degree)
    end subroutine begin_state
 
    !> Take a step, which ends at an event, a knot of the motion or the end of its series.
