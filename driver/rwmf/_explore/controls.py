@@ -12,6 +12,8 @@ from typing import Any
 
 from rwmf import _library
 
+# groups whose springs may also be linear
+_SPRINGS = ("coupling", "restraint")
 # usual range of values: low, high, and True for a logarithmic slider
 _RANGES: dict[str, tuple[float, float, bool]] = {
     "wall.h": (0.5, 10.0, False),
@@ -40,6 +42,9 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "inerter.inertance_over_m_w": (0.0, 5.0, False),
     "fuse.eta_y": (0.05, 3.0, False),
     "fuse.stroke_y": (1e-3, 0.1, True),
+    **{f"{name}.eta_y": (0.05, 3.0, False) for name in _SPRINGS},
+    **{f"{name}.stroke_y": (1e-3, 0.1, True) for name in _SPRINGS},
+    **{f"{name}.k_over_m_w": (0.1, 1e3, True) for name in _SPRINGS},
     "yielding.u_y": (5e-3, 0.5, True),
     "yielding.f_y_over_m_s_g": (0.02, 2.0, True),
     "yielding.storey_u_y": (1e-3, 0.1, True),
@@ -119,6 +124,20 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "fuse.stroke_y": 0.005,
     "fuse.F_y": 60000.0,
     "fuse.k": 1.2e7,
+    **{
+        f"{name}.{key}": start
+        for name in _SPRINGS
+        for key, start in (
+            ("eta_y", 0.2),
+            ("stroke_y", 0.005),
+            ("F_y", 1e4),
+            ("k", 2e6),
+            ("k_over_m_w", 10.0),
+            ("c_over_m_w", 0.2),
+            ("c", 4e3),
+        )
+    },
+    "restraint.height": 0.0,
     "yielding.u_y": 0.05,
     "yielding.f_y_over_m_s_g": 0.2,
     "yielding.F_y": 100000.0,
@@ -131,6 +150,7 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "p_delta.h_f": 4.0,
     "p_delta.m_g": 100000.0,
     "cable.eta_0": 1.0,
+    "cable.offset": [0.0],
     "cable.eta_y": 3.0,
     "cable.rupture_strain": 0.03,
     "cable.length": 6.0,
@@ -194,6 +214,19 @@ _ALTERNATIVES = (
     ("fuse.eta_y", "fuse.F_y"),
     ("fuse.stroke_y", "fuse.k"),
     ("fuse.eta_y", "fuse.k"),
+    *(
+        (f"{name}.{one}", f"{name}.{other}")
+        for name in _SPRINGS
+        for one, other in (
+            ("eta_y", "F_y"),
+            ("stroke_y", "k"),
+            ("eta_y", "k"),
+            ("c_over_m_w", "c"),
+            ("k_over_m_w", "eta_y"),
+            ("k_over_m_w", "F_y"),
+            ("k_over_m_w", "k"),
+        )
+    ),
     (
         "yielding.u_y",
         "yielding.f_y_over_m_s_g",
@@ -227,6 +260,10 @@ _BRINGS: dict[str, tuple[str, ...]] = {
     "inerter.inertance": (_MASS,),
     "fuse.F_y": (_MASS,),
     "fuse.k": ("fuse.F_y", _MASS),
+    **{f"{name}.eta_y": (f"{name}.stroke_y",) for name in _SPRINGS},
+    **{f"{name}.stroke_y": (f"{name}.eta_y|F_y",) for name in _SPRINGS},
+    **{f"{name}.F_y": (f"{name}.stroke_y|k", _MASS) for name in _SPRINGS},
+    **{f"{name}.{key}": (_MASS,) for name in _SPRINGS for key in ("k", "c")},
     "yielding.F_y": ("frame.gamma|m_s", _MASS),
     "yielding.storey_F_y": (_MASS,),
     "yielding.cap": ("yielding.post_cap",),
@@ -248,6 +285,11 @@ _EACH_STOREY = tuple(f"storeys.coupling={word}" for word in ("full", "springs", 
 _ONLY_BESIDE: dict[str, tuple[str, ...]] = {
     "cable.length": ("cable.strands", "cable.rupture_strain"),
     "cable.hardening": ("cable.eta_y", "cable.yield_stress"),
+    **{
+        f"{name}.{key}": (f"{name}.eta_y", f"{name}.F_y")
+        for name in _SPRINGS
+        for key in ("hardening", "law")
+    },
     "output.friction_limit": ("output.reactions=true",),
     "solver.accuracy_of": ("solver.accuracy", "solver.verify=true"),
     "yielding.storey_u_y": _EACH_STOREY,
@@ -262,7 +304,9 @@ _ONLY_BESIDE: dict[str, tuple[str, ...]] = {
 }
 # effects absent from Eq. (15) as printed, which imply the exact formulation
 _NOT_PUBLISHED = ("bending", "link", "cable.eta_y", "cable.yield_stress", "cable.rupture_strain",
-                  "cable.law=truss")  # fmt: skip
+                  "cable.law=truss", "cable.height", *_SPRINGS,
+                  *(f"{name}.offset" for name in ("cable", "fuse", "damper", "nl_damper")),
+                  )  # fmt: skip
 _PULSE = {"a_max_g|v_p": True, "T_p|omega_p": True, "t_0": False}
 _LOSING = {"cap": True, "post_cap": True, "residual": False, "lambda": False,
            "lambda_exponent": False}  # fmt: skip
@@ -293,10 +337,13 @@ _BELONGING: dict[str, dict[str, dict[str, bool]]] = {
         "none": {},
         "table": {"table_theta_dot": True, "table_e": True},
     },
-    "fuse.law": {
-        "elastic_plastic": {},
-        "friction": {"breakaway": False},
-        "flag": {"flag_height": False},
+    **{
+        f"{name}.law": {
+            "elastic_plastic": {},
+            "friction": {"breakaway": False},
+            "flag": {"flag_height": False},
+        }
+        for name in ("fuse", *_SPRINGS)
     },
     "yielding.law": {
         "elastic_plastic": {},
@@ -318,6 +365,8 @@ _NEEDED_TOO = {
     "solver": ("t_end",),
     "spectrum": ("T_s_min", "T_s_max", "n"),
     "initial": ("theta_over_alpha",),
+    "coupling": ("eta_y",),
+    "restraint": ("k_over_m_w",),
 }
 # keys allowed only together with groups, with True where required
 _ONLY_WITH = {
@@ -326,11 +375,16 @@ _ONLY_WITH = {
     "spectrum.b": (("wall",), False),
 }
 # keys and values required by a group; None removes the key
-_IMPLIED: dict[str, dict[str, str | None]] = {
-    "bending": {"impact.rule": "coupled", "wall.base": None},
+_IMPLIED: dict[str, dict[str, str | int | None]] = {
+    "bending": {
+        "impact.rule": "coupled",
+        **dict.fromkeys(("wall.base", "wall.walls", "cable.offset", "cable.height")),
+    },
+    "coupling": {"wall.walls": 2, "wall.base": None},
+    "restraint": {"wall.base": None},
 }
 # groups that exclude each other
-_EITHER = (("bending", "link"),)
+_EITHER = (("bending", "link"), *(("bending", name) for name in _SPRINGS))
 # keys removed by a group that describes the same property
 _INSTEAD_OF = {
     "storeys": ("frame.T_s", "frame.gamma", "frame.m_s", "frame.k_s", "p_delta.h_f"),
@@ -345,6 +399,8 @@ _TITLES = {
     "bending": "Wall that bends",
     "inerter": "Inerters at the base",
     "fuse": "Fuses at the base",
+    "coupling": "Couplings between walls",
+    "restraint": "Restraints at columns",
     "yielding": "Yielding of the frame",
     "p_delta": "P-Delta",
     "cable": "Cable",
