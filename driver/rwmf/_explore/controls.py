@@ -7,7 +7,6 @@ frames, and the consequences of a choice. A key without an entry has a slider ov
 from __future__ import annotations
 
 import math
-import re
 from typing import Any
 
 from rwmf import _library
@@ -418,8 +417,6 @@ _OF_THE_USER = ("base_section", "limits", "sensitivity", "design")
 # the page must not set file names: an uploaded record has a number
 _NOT_EDITABLE = {("motion", "file"), ("vertical", "file")}
 
-_INTERVAL = re.compile(r"([\[(])([^,\s]+), ([^\])]+)[\])]")
-
 
 def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
     """Return the keys that the page may set."""
@@ -478,9 +475,9 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
         start: object = default if default in words else words[0]
         found |= {"words": words, "start": _STARTS.get(name, start)}
     elif kind in ("real", "integer"):
-        low, high, log = _RANGES.get(name) or _range(default, allowed)
+        low, high, log = _RANGES.get(name) or _range(row)
         middle = math.sqrt(low * high) if log else 0.5 * (low + high)
-        own = _number(default)
+        own = _library.number_of(default)
         start = _STARTS.get(name, middle if own is None else own)
         found |= {"low": low, "high": high, "log": log, "start": start}
         if kind == "integer":
@@ -499,34 +496,17 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
     return found
 
 
-def _range(default: str, allowed: str) -> tuple[float, float, bool]:
+def _range(row: _library.KeyRow) -> tuple[float, float, bool]:
     """Return the range of a slider from the bounds of its key."""
-    own = _number(default)
-    interval = _INTERVAL.fullmatch(allowed)
-    if interval:
-        low, high = _number(interval[2]), _number(interval[3])
-        if low is not None and high is not None:
-            # the end of an open interval would be refused
-            open_low, open_high = interval[1] == "(", allowed.endswith(")")
-            inset = 1e-3 * (high - low)
-            return low + inset * open_low, high - inset * open_high, low > 0 and high > 100 * low
-    bound = re.fullmatch(r"(>=?) (\S+)", allowed)
-    lowest = _number(bound[2]) if bound else None
-    if lowest is not None and lowest == 0.0 and bound is not None and bound[1] == ">":
+    own, (low, high, is_above, is_below) = _library.number_of(row.default), row.bounds
+    if low is not None and high is not None:
+        # the end of an open interval would be refused
+        inset = 1e-3 * (high - low)
+        return low + inset * is_above, high - inset * is_below, low > 0 and high > 100 * low
+    if low == 0.0 and is_above:
         middle = own or 1.0
         return 0.01 * middle, 100.0 * middle, True
-    if lowest is not None and bound is not None:
-        inset = 0.01 if bound[1] == ">" else 0.0
-        return lowest + inset, max(10.0 * abs(lowest), 4.0 * (own or 0.0), lowest + 10.0), False
+    if low is not None:
+        return low + 0.01 * is_above, max(10.0 * abs(low), 4.0 * (own or 0.0), low + 10.0), False
     reach = max(4.0 * abs(own or 0.0), 2.0)
     return -reach, reach, False
-
-
-def _number(text: str) -> float | None:
-    """Read a number from the kernel's table; None for a word."""
-    if text in ("pi", "pi/2"):
-        return math.pi / (2.0 if text.endswith("2") else 1.0)
-    try:
-        return float(text)
-    except ValueError:
-        return None
