@@ -16,8 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rwmf import coupling, hosts, loops, plot, records, studies
-    from rwmf._base_section import base_section, ufp_force, ufp_stiffness
+    from rwmf import coupling, hosts, loops, plot, records, sections, studies
     from rwmf._checks.checks import Checks, LimitCheck, checks
     from rwmf._cost import Cost, cost
     from rwmf._design.design import Design, design
@@ -48,15 +47,13 @@ if TYPE_CHECKING:
 __all__ = [
     "Case", "Checks", "Cost", "Design", "Element", "InputError", "Interrupted", "LimitCheck",
     "Motion", "NumericalError", "OutputError", "RecordFile", "Response", "RwmfError",
-    "RwmfWarning", "Wall", "Walls", "__version__", "base_section", "checks", "cloud", "cost",
-    "coupling", "design", "explore", "find_records", "fragility", "gradient", "hosts", "ida",
-    "intensity", "loops", "merge", "paper_coefficients", "plot", "pushover", "quantile",
-    "records", "risk", "simulate", "spectrum", "stripes", "studies", "sweep", "ufp_force",
-    "ufp_stiffness",
+    "RwmfWarning", "Wall", "Walls", "__version__", "checks", "cloud", "cost", "coupling",
+    "design", "explore", "find_records", "fragility", "gradient", "hosts", "ida", "intensity",
+    "loops", "merge", "paper_coefficients", "plot", "pushover", "quantile", "records", "risk",
+    "sections", "simulate", "spectrum", "stripes", "studies", "sweep",
 ]  # fmt: skip
 # public names of each module
 _HOMES = {
-    "_base_section": "base_section ufp_force ufp_stiffness",
     "_checks.checks": "Checks LimitCheck checks",
     "_cost": "Cost cost",
     "_design.design": "Design design",

@@ -7,6 +7,9 @@ _OF_HOSTS = (
 )
 # names within rwmf
 NAMES = {
+    "base_section": "rwmf.sections.base_section",
+    "ufp_force": "rwmf.sections.ufp",
+    "ufp_stiffness": "rwmf.sections.ufp",
     "studies.annual_frequency": "a function of yours (page Gradients)",
     "studies.cumulative_distribution": _RECIPE,
     "studies.displacement_based_prestress": "a recipe of the page Design",

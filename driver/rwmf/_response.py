@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Sequence
 from functools import cache
 from html import escape
-from typing import Any, Self, cast, overload
+from typing import TYPE_CHECKING, Any, Self, cast, overload
 
 import numpy as np
+import pandas as pd
 import xarray as xr
+from xarray.plot.accessor import DatasetPlotAccessor
 
 from rwmf._headline import grouped, headline, is_complete
 from rwmf.errors import InputError
 from rwmf.quantities import QUANTITIES, Quantity
+
+if TYPE_CHECKING:
+    from rwmf.plotting.style import Panels
 
 # dimensions of quantities with a number
 LEVELS = ("storey", "floor", "mode", "tendon", "fuse", "restraint")
@@ -154,12 +159,84 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
         lines = [f"<rwmf.Response> {sizes}", self.headline(), *grouped(scalars, has_names=True)]
         return "\n".join([*lines, *([f"over time: {', '.join(others)}"] if others else [])])
 
+    def table(self) -> pd.DataFrame:
+        """Return the history as a table: a row for each time, a column for each quantity.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Over the time [s]. A quantity of every storey or floor has a column for each:
+            ``storey_1_drift``. The attribute ``units`` maps the columns to their units.
+
+        Raises
+        ------
+        InputError
+            When the dataset has no history.
+        """
+        if "time" not in self.dims:
+            raise InputError(
+                "table: no history: simulate with an interval, simulate(case, dt=0.01)"
+            )
+        columns, units = {}, {}
+        for name, values in self.data_vars.items():
+            if values.dims[:1] != ("time",):
+                continue
+            parts = {str(name): values}
+            for level in values.dims[1:]:
+                # storeys_drift of storey 2 is storey_2_drift
+                before, _, after = f"{name}_".partition("s_")
+                parts = {
+                    f"{before}_{number}_{after}".rstrip("_"): values.isel({level: i})
+                    for i, number in enumerate(self[level].values.tolist())
+                }
+            for column, part in parts.items():
+                columns[column] = part.values
+                units[column] = str(values.attrs.get("units", ""))
+        found = pd.DataFrame(columns, index=pd.Index(self["time"].values, name="time"))
+        found.attrs["units"] = units
+        return found.dropna(axis="columns", how="all")
+
+    def to_dataframe(self, dim_order: Sequence[Hashable] | None = None) -> pd.DataFrame:
+        """Convert as xarray does, a history without its events; see `table`.
+
+        Parameters
+        ----------
+        dim_order : sequence of str, optional
+            Order of the dimensions in the index.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each combination of time and storey.
+        """
+        has_both = {"time", "event"} <= set(self.dims)
+        kept = self.drop_dims("event") if has_both else self
+        return xr.Dataset.to_dataframe(kept, dim_order)
+
+    @property
+    def plot(self) -> Plot:  # type: ignore[override]
+        """Draw the history: ``response.plot()``; methods of xarray: ``response.plot.scatter``."""
+        return Plot(self)
+
     def _repr_html_(self) -> str:
-        """Show the headline and the table of xarray in a notebook."""
+        """Show the headline in a notebook, above the folded table of xarray."""
         table = str(super()._repr_html_())
         lines = [self.headline()] if is_complete(self.flat()) else self._warnings()
         text = "\n".join(lines)
-        return f"<pre>{escape(text)}</pre>{table}" if text else table
+        if not text:
+            return table
+        folded = f"<details><summary>all variables</summary>{table}</details>"
+        return f"<pre>{escape(text)}</pre>{folded}"
+
+
+class Plot(DatasetPlotAccessor):
+    """Drawing of a response."""
+
+    def __call__(self, *args: Any, **further: Any) -> Panels:  # type: ignore[override]  # noqa: ANN401 (as the function)
+        """Draw the history with the arguments of `rwmf.plot.history` after the dataset."""
+        from rwmf.plot import history
+
+        return history(self._ds, *args, **further)
 
 
 @cache

@@ -74,6 +74,10 @@ def test_a_reader_finds_a_word(page: Page) -> None:
 
 
 QUESTIONS = {
+    **dict.fromkeys(
+        ("install", "Windows", "conda", "pip", "cite", "docker"), ("howto/install.html", "install")
+    ),
+    "two walls": ("tutorials/two-walls.html", "walls"),
     "IDR": ("howto/buildings.html", "drift"),
     "PFA": ("howto/buildings.html", "acceleration"),
     "interstorey drift": ("howto/buildings.html", "drift"),

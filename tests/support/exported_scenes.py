@@ -25,6 +25,9 @@ SPRINGS = (
     "k_link = 3e7, 2e7, 2e7, 1e7 /"
 )
 
+PAIR = WALL.replace("40e3", "40e3, walls = {}")
+PLATES = "&coupling F_y = 60e3, k = 3e7, hardening = 0.02 /"
+
 BENT = "&bending EI = 4e9, modes = 6, damping = 'stiffness' /"
 BENT_IN_SHEAR = BENT.replace(" /", ", nu = 0.2 /")
 
@@ -60,6 +63,11 @@ ALONE = {
     "roof of a wall that bends": WALL + storeys(3, "full") + CABLE + BENT,
     "every floor of a wall that bends": WALL + storeys(3, "every_floor") + CABLE + BENT_IN_SHEAR,
     "springs of a wall that bends": WALL + SPRINGS + CABLE + BENT_IN_SHEAR,
+    "two walls and UFPs": PAIR.format(2) + FRAME + CABLE + PLATES,
+    "three walls and beams": PAIR.format(3)
+    + storeys(4, "full")
+    + CABLE
+    + "&coupling k = 2e6, c = 1e4, span = 1.5 /",
     "hinge": "&wall h = 5.0, b = 1.2, m_w = 40e3, base = 'pinned' /" + FRAME,
 }
 BUILDINGS = {

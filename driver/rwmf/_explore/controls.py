@@ -7,11 +7,12 @@ frames, and the consequences of a choice. A key without an entry has a slider ov
 from __future__ import annotations
 
 import math
-import re
 from typing import Any
 
 from rwmf import _library
 
+# groups whose springs may also be linear
+_SPRINGS = ("coupling", "restraint")
 # usual range of values: low, high, and True for a logarithmic slider
 _RANGES: dict[str, tuple[float, float, bool]] = {
     "wall.h": (0.5, 10.0, False),
@@ -40,6 +41,9 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "inerter.inertance_over_m_w": (0.0, 5.0, False),
     "fuse.eta_y": (0.05, 3.0, False),
     "fuse.stroke_y": (1e-3, 0.1, True),
+    **{f"{name}.eta_y": (0.05, 3.0, False) for name in _SPRINGS},
+    **{f"{name}.stroke_y": (1e-3, 0.1, True) for name in _SPRINGS},
+    **{f"{name}.k_over_m_w": (0.1, 1e3, True) for name in _SPRINGS},
     "yielding.u_y": (5e-3, 0.5, True),
     "yielding.f_y_over_m_s_g": (0.02, 2.0, True),
     "yielding.storey_u_y": (1e-3, 0.1, True),
@@ -119,6 +123,20 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "fuse.stroke_y": 0.005,
     "fuse.F_y": 60000.0,
     "fuse.k": 1.2e7,
+    **{
+        f"{name}.{key}": start
+        for name in _SPRINGS
+        for key, start in (
+            ("eta_y", 0.2),
+            ("stroke_y", 0.005),
+            ("F_y", 1e4),
+            ("k", 2e6),
+            ("k_over_m_w", 10.0),
+            ("c_over_m_w", 0.2),
+            ("c", 4e3),
+        )
+    },
+    "restraint.height": 0.0,
     "yielding.u_y": 0.05,
     "yielding.f_y_over_m_s_g": 0.2,
     "yielding.F_y": 100000.0,
@@ -131,6 +149,7 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "p_delta.h_f": 4.0,
     "p_delta.m_g": 100000.0,
     "cable.eta_0": 1.0,
+    "cable.offset": [0.0],
     "cable.eta_y": 3.0,
     "cable.rupture_strain": 0.03,
     "cable.length": 6.0,
@@ -194,6 +213,19 @@ _ALTERNATIVES = (
     ("fuse.eta_y", "fuse.F_y"),
     ("fuse.stroke_y", "fuse.k"),
     ("fuse.eta_y", "fuse.k"),
+    *(
+        (f"{name}.{one}", f"{name}.{other}")
+        for name in _SPRINGS
+        for one, other in (
+            ("eta_y", "F_y"),
+            ("stroke_y", "k"),
+            ("eta_y", "k"),
+            ("c_over_m_w", "c"),
+            ("k_over_m_w", "eta_y"),
+            ("k_over_m_w", "F_y"),
+            ("k_over_m_w", "k"),
+        )
+    ),
     (
         "yielding.u_y",
         "yielding.f_y_over_m_s_g",
@@ -227,6 +259,10 @@ _BRINGS: dict[str, tuple[str, ...]] = {
     "inerter.inertance": (_MASS,),
     "fuse.F_y": (_MASS,),
     "fuse.k": ("fuse.F_y", _MASS),
+    **{f"{name}.eta_y": (f"{name}.stroke_y",) for name in _SPRINGS},
+    **{f"{name}.stroke_y": (f"{name}.eta_y|F_y",) for name in _SPRINGS},
+    **{f"{name}.F_y": (f"{name}.stroke_y|k", _MASS) for name in _SPRINGS},
+    **{f"{name}.{key}": (_MASS,) for name in _SPRINGS for key in ("k", "c")},
     "yielding.F_y": ("frame.gamma|m_s", _MASS),
     "yielding.storey_F_y": (_MASS,),
     "yielding.cap": ("yielding.post_cap",),
@@ -248,6 +284,11 @@ _EACH_STOREY = tuple(f"storeys.coupling={word}" for word in ("full", "springs", 
 _ONLY_BESIDE: dict[str, tuple[str, ...]] = {
     "cable.length": ("cable.strands", "cable.rupture_strain"),
     "cable.hardening": ("cable.eta_y", "cable.yield_stress"),
+    **{
+        f"{name}.{key}": (f"{name}.eta_y", f"{name}.F_y")
+        for name in _SPRINGS
+        for key in ("hardening", "law")
+    },
     "output.friction_limit": ("output.reactions=true",),
     "solver.accuracy_of": ("solver.accuracy", "solver.verify=true"),
     "yielding.storey_u_y": _EACH_STOREY,
@@ -262,7 +303,9 @@ _ONLY_BESIDE: dict[str, tuple[str, ...]] = {
 }
 # effects absent from Eq. (15) as printed, which imply the exact formulation
 _NOT_PUBLISHED = ("bending", "link", "cable.eta_y", "cable.yield_stress", "cable.rupture_strain",
-                  "cable.law=truss")  # fmt: skip
+                  "cable.law=truss", "cable.height", *_SPRINGS,
+                  *(f"{name}.offset" for name in ("cable", "fuse", "damper", "nl_damper")),
+                  )  # fmt: skip
 _PULSE = {"a_max_g|v_p": True, "T_p|omega_p": True, "t_0": False}
 _LOSING = {"cap": True, "post_cap": True, "residual": False, "lambda": False,
            "lambda_exponent": False}  # fmt: skip
@@ -293,10 +336,13 @@ _BELONGING: dict[str, dict[str, dict[str, bool]]] = {
         "none": {},
         "table": {"table_theta_dot": True, "table_e": True},
     },
-    "fuse.law": {
-        "elastic_plastic": {},
-        "friction": {"breakaway": False},
-        "flag": {"flag_height": False},
+    **{
+        f"{name}.law": {
+            "elastic_plastic": {},
+            "friction": {"breakaway": False},
+            "flag": {"flag_height": False},
+        }
+        for name in ("fuse", *_SPRINGS)
     },
     "yielding.law": {
         "elastic_plastic": {},
@@ -318,6 +364,8 @@ _NEEDED_TOO = {
     "solver": ("t_end",),
     "spectrum": ("T_s_min", "T_s_max", "n"),
     "initial": ("theta_over_alpha",),
+    "coupling": ("eta_y",),
+    "restraint": ("k_over_m_w",),
 }
 # keys allowed only together with groups, with True where required
 _ONLY_WITH = {
@@ -326,11 +374,16 @@ _ONLY_WITH = {
     "spectrum.b": (("wall",), False),
 }
 # keys and values required by a group; None removes the key
-_IMPLIED: dict[str, dict[str, str | None]] = {
-    "bending": {"impact.rule": "coupled", "wall.base": None},
+_IMPLIED: dict[str, dict[str, str | int | None]] = {
+    "bending": {
+        "impact.rule": "coupled",
+        **dict.fromkeys(("wall.base", "wall.walls", "cable.offset", "cable.height")),
+    },
+    "coupling": {"wall.walls": 2, "wall.base": None},
+    "restraint": {"wall.base": None},
 }
 # groups that exclude each other
-_EITHER = (("bending", "link"),)
+_EITHER = (("bending", "link"), *(("bending", name) for name in _SPRINGS))
 # keys removed by a group that describes the same property
 _INSTEAD_OF = {
     "storeys": ("frame.T_s", "frame.gamma", "frame.m_s", "frame.k_s", "p_delta.h_f"),
@@ -345,6 +398,8 @@ _TITLES = {
     "bending": "Wall that bends",
     "inerter": "Inerters at the base",
     "fuse": "Fuses at the base",
+    "coupling": "Couplings between walls",
+    "restraint": "Restraints at columns",
     "yielding": "Yielding of the frame",
     "p_delta": "P-Delta",
     "cable": "Cable",
@@ -361,8 +416,6 @@ _TITLES = {
 _OF_THE_USER = ("base_section", "limits", "sensitivity", "design")
 # the page must not set file names: an uploaded record has a number
 _NOT_EDITABLE = {("motion", "file"), ("vertical", "file")}
-
-_INTERVAL = re.compile(r"([\[(])([^,\s]+), ([^\])]+)[\])]")
 
 
 def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
@@ -422,9 +475,9 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
         start: object = default if default in words else words[0]
         found |= {"words": words, "start": _STARTS.get(name, start)}
     elif kind in ("real", "integer"):
-        low, high, log = _RANGES.get(name) or _range(default, allowed)
+        low, high, log = _RANGES.get(name) or _range(row)
         middle = math.sqrt(low * high) if log else 0.5 * (low + high)
-        own = _number(default)
+        own = _library.number_of(default)
         start = _STARTS.get(name, middle if own is None else own)
         found |= {"low": low, "high": high, "log": log, "start": start}
         if kind == "integer":
@@ -443,34 +496,17 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
     return found
 
 
-def _range(default: str, allowed: str) -> tuple[float, float, bool]:
+def _range(row: _library.KeyRow) -> tuple[float, float, bool]:
     """Return the range of a slider from the bounds of its key."""
-    own = _number(default)
-    interval = _INTERVAL.fullmatch(allowed)
-    if interval:
-        low, high = _number(interval[2]), _number(interval[3])
-        if low is not None and high is not None:
-            # the end of an open interval would be refused
-            open_low, open_high = interval[1] == "(", allowed.endswith(")")
-            inset = 1e-3 * (high - low)
-            return low + inset * open_low, high - inset * open_high, low > 0 and high > 100 * low
-    bound = re.fullmatch(r"(>=?) (\S+)", allowed)
-    lowest = _number(bound[2]) if bound else None
-    if lowest is not None and lowest == 0.0 and bound is not None and bound[1] == ">":
+    own, (low, high, is_above, is_below) = _library.number_of(row.default), row.bounds
+    if low is not None and high is not None:
+        # the end of an open interval would be refused
+        inset = 1e-3 * (high - low)
+        return low + inset * is_above, high - inset * is_below, low > 0 and high > 100 * low
+    if low == 0.0 and is_above:
         middle = own or 1.0
         return 0.01 * middle, 100.0 * middle, True
-    if lowest is not None and bound is not None:
-        inset = 0.01 if bound[1] == ">" else 0.0
-        return lowest + inset, max(10.0 * abs(lowest), 4.0 * (own or 0.0), lowest + 10.0), False
+    if low is not None:
+        return low + 0.01 * is_above, max(10.0 * abs(low), 4.0 * (own or 0.0), low + 10.0), False
     reach = max(4.0 * abs(own or 0.0), 2.0)
     return -reach, reach, False
-
-
-def _number(text: str) -> float | None:
-    """Read a number from the kernel's table; None for a word."""
-    if text in ("pi", "pi/2"):
-        return math.pi / (2.0 if text.endswith("2") else 1.0)
-    try:
-        return float(text)
-    except ValueError:
-        return None

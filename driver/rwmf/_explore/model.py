@@ -31,6 +31,7 @@ from rwmf.case.elements import total
 from rwmf.case.grid import heights_of_storeys
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.plotting.animation import ground_displacement
+from rwmf.plotting.elements import COLOURS_OF, axes_of, lines_of, outermost
 from rwmf.plotting.levels import levels_of_frame, levels_of_storeys, mode_shapes
 from rwmf.quantities import ENDINGS, Quantity, find
 
@@ -566,6 +567,8 @@ _FORCES = {
     "storey": "V/(m_w g) [-]",
     "cable": "P/(m_w g) [-]",
     "fuse": "F/(m_w g) [-]",
+    "coupling": "F/(m_w g) [-]",
+    "restraint": "F/(m_w g) [-]",
 }
 
 
@@ -576,6 +579,11 @@ def _scene_of(case: Case) -> dict[str, Any]:
         h, b = float(case.wall.h), float(case.wall.b)
         found |= {"h": h, "b": b, "pinned": case.wall.base == "pinned"}
         found["shapes"] = mode_shapes(case, _SHARE).T.tolist()
+        found["axes"] = axes_of(case)
+        found["lines"] = [
+            [line.kind, COLOURS_OF.get(line.kind), line.ends] for line in lines_of(case)
+        ]
+        found["ends"] = outermost(case).tolist()
     if case.storeys is not None:
         found["heights"] = list(case.storeys.height)
         found["coupling"] = case.storeys.coupling

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import math
+import re
 from typing import NamedTuple
 
 import numpy as np
@@ -127,6 +129,26 @@ def instruction_set() -> str:
     return fetch_text(_kernel.instruction_set)
 
 
+_INTERVAL = re.compile(r"([\[(])([^,\s]+), ([^\])]+)[\])]")
+
+
+class Bounds(NamedTuple):
+    """Bounds of a number; None where there is none.
+
+    Attributes
+    ----------
+    low, high : float or None
+        The bounds.
+    is_above, is_below : bool
+        Whether the bound itself is refused.
+    """
+
+    low: float | None = None
+    high: float | None = None
+    is_above: bool = False
+    is_below: bool = False
+
+
 class KeyRow(NamedTuple):
     """A row of the kernel's table of keys.
 
@@ -154,6 +176,26 @@ class KeyRow(NamedTuple):
     meaning: str
     usual: str
     gives: str
+
+    @property
+    def bounds(self) -> Bounds:
+        """Bounds of the allowed numbers."""
+        if interval := _INTERVAL.fullmatch(self.allowed):
+            low, high = number_of(interval[2]), number_of(interval[3])
+            return Bounds(low, high, interval[1] == "(", self.allowed.endswith(")"))
+        if bound := re.fullmatch(r"(>=?) (\S+)", self.allowed):
+            return Bounds(number_of(bound[2]), None, bound[1] == ">")
+        return Bounds()
+
+
+def number_of(text: str) -> float | None:
+    """Read a number of the table; None for a word."""
+    if text in ("pi", "pi/2"):
+        return math.pi / (2.0 if text.endswith("2") else 1.0)
+    try:
+        return float(text)
+    except ValueError:
+        return None
 
 
 @functools.cache

@@ -9,7 +9,13 @@ from rwmf.errors import InputError
 if TYPE_CHECKING:
     from rwmf.case.groups import Cable
 
-__all__ = ["single", "total"]
+__all__ = ["each", "single", "total"]
+
+
+def each(value: float | tuple[float, ...], n: int) -> list[float]:
+    """Return the numbers of n elements."""
+    numbers = value if isinstance(value, tuple) else (value,)
+    return [float(number) for number in numbers] * (n // len(numbers))
 
 
 def single(name: str, value: float | tuple[float, ...]) -> float:
@@ -22,6 +28,4 @@ def single(name: str, value: float | tuple[float, ...]) -> float:
 
 def total(cable: Cable, value: float | tuple[float, ...]) -> float:
     """Return the sum of a force over all tendons."""
-    numbers = value if isinstance(value, tuple) else (value,)
-    count = len(cable.offset) if "offset" in cable else 1
-    return float(sum(numbers)) * count / len(numbers)
+    return sum(each(value, len(cable.offset) if "offset" in cable else 1))

@@ -7,7 +7,9 @@ from typing import Any
 
 from rwmf.case import Case
 from rwmf.case.group import Group
+from rwmf.case.json_schema import make_schema
 from rwmf.cli.output import print_json
+from rwmf.errors import InputError
 
 # lines of `rwmf check`: word of the kernel's inventory, label, and text for an empty list
 _INVENTORY = (
@@ -21,14 +23,26 @@ _INVENTORY = (
 
 
 def run(options: argparse.Namespace) -> int:
-    """Validate a case and print its contents (``rwmf check``)."""
-    case = Case.from_namelist(options.case)
+    """Validate a case and print its contents, or the schema of all (``rwmf check``)."""
+    if options.schema:
+        print_json(make_schema())
+        return 0
+    if options.case is None:
+        raise InputError("CASE.nml, or --schema: is missing")
+    try:
+        case = Case.from_namelist(options.case)
+    except InputError as error:
+        if not options.json:
+            raise
+        print_json({"valid": False, "error": str(error)})
+        return error.exit_status
     found = case.kernel.inventory()
     if options.json:
         inventory = {word: found[word] for word, *_ in _INVENTORY if word in found}
         values = {name: _values_of(group) for name, group in case.groups.items()}
         print_json(
             {
+                "valid": True,
                 **inventory,
                 "notes": found["notes"],
                 "warnings": case.kernel.warnings(),

@@ -186,14 +186,32 @@ def _analysis(name: str, text: str) -> Command:
 
 
 COMMANDS: dict[str, Command] = {
+    "new": Command(
+        "one",
+        "new.run",
+        "Write a commented case of a building beside a rocking wall; a terminal asks for the "
+        "numbers that are not given.",
+        "--storeys 6 --mass 150e3 --period 1.0 --width 4 --out six.nml",
+        [
+            _word("--storeys", "number of storeys (6)", "N", whole(1, 100)),
+            _word("--mass", "mass of each floor in kg (150e3)", "M", _ABOVE_0),
+            _word("--period", "first period of the frame alone in s (1.0)", "S", _ABOVE_0),
+            _word("--width", "width of the wall in m, 0 for none (4.0)", "W", number(above=-1e-9)),
+            _out("CASE.nml", "file to write", default="case.nml"),
+            _FORCE,
+        ],
+    ),
     "run": Command(
         "one",
         "run.run",
-        "Simulate one case and print its main results, maxima and counts (&spectrum is ignored).",
+        "Simulate one case and print its main results, maxima and counts (&spectrum is ignored); "
+        "with several files, write a row for each into one table.",
         "inputs/fig06_mild_frame_one_cosine.nml --plot history.png",
         [
-            _CASE,
-            _JSON,
+            _word(
+                "case", "namelist files; of a table summaries of rwmf-batch, too", "CASE", nargs="+"
+            ),
+            _flag("--json", "print one JSON object; of several cases one in each line"),
             _flag("--all", "print every key instead of headline and groups"),
             _plot("the history, and the demands of storeys over the height"),
             _word(
@@ -202,7 +220,11 @@ COMMANDS: dict[str, Command] = {
                 "FILE",
                 written_file,
             ),
-            _word("--out", "write the CSV files of rwmf-batch there", "DIR"),
+            _word(
+                "--out",
+                "folder for the CSV files of rwmf-batch, or a table of all cases (csv, nc, jsonl)",
+                "PATH",
+            ),
             _CHECKS,
         ],
     ),
@@ -230,7 +252,11 @@ COMMANDS: dict[str, Command] = {
         "Read and validate a case; print effects, omitted effects, states, events, outputs and "
         "every value.",
         "inputs/fig12_one_cosine.nml",
-        [_CASE, _JSON],
+        [
+            _word("case", "namelist file", "CASE.nml", nargs="?"),
+            _flag("--json", "print one JSON object, with valid and error"),
+            _flag("--schema", "print the JSON schema of all groups and keys instead"),
+        ],
     ),
     "pushover": Command(
         "one",

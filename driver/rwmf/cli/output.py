@@ -69,7 +69,7 @@ def _is_csv(path: str) -> bool:
 
 def print_json(value: dict[str, Any]) -> None:
     """Print an object as JSON."""
-    print(json.dumps(_plain(value), indent=1, allow_nan=False))
+    print(json.dumps(plain(value), indent=1, allow_nan=False))
 
 
 def print_warnings(path: str, lines: Iterable[str]) -> None:
@@ -93,14 +93,14 @@ def print_written(paths: Iterable[str | Path | None], *, is_json: bool = False) 
         print(f"written: {path}", file=sys.stderr if is_json else sys.stdout)
 
 
-def _plain(value: object) -> object:
+def plain(value: object) -> object:
     """Convert to JSON types; values that are not finite become null."""
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, list):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

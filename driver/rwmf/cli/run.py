@@ -15,6 +15,7 @@ from rwmf import _simulation as simulation
 from rwmf._files import files
 from rwmf._headline import grouped, headline, tendon_yield_of, value_text
 from rwmf.case import Case
+from rwmf.cli import run_many
 from rwmf.cli.gradient_output import derivatives_by_name, print_gradient
 from rwmf.cli.output import (
     check_words,
@@ -42,7 +43,10 @@ _LOOP_POINTS = 40000
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate one case (``rwmf run``)."""
+    """Simulate one case, or several into a table (``rwmf run``)."""
+    if run_many.is_wanted(options):
+        return run_many.run(options)
+    (options.case,) = options.case
     case = Case.from_namelist(options.case)
     names = _library.result_names(options.case) if options.out else ()
     found = [Path(options.out, name) for name in names]

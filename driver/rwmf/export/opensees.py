@@ -63,6 +63,8 @@ class _Script:
         self.tendon: tuple[int, str, int] | None = None
         self.floors: list[tuple[int, float, float]] = []
         self.linked = 0
+        # of the first pair of walls: elements of the coupling, nodes of its ends
+        self.coupled: tuple[list[int], list[int]] = ([], [])
         self.corners: list[int] = []
         coupling = building.frame.coupling if building.m_w and building.frame else ""
         self.has_links = coupling in ("every_floor", "springs")
@@ -85,6 +87,7 @@ class _Script:
             self._corners()
             self._devices()
             self._tendon()
+            self._couplings()
         if given.frame is not None:
             self._frame(given.frame)
         self._start()
@@ -119,6 +122,7 @@ class _Script:
         lines += [
             f"TENDON = {list(self.tendon[:2]) if self.tendon else []!r}",
             f"TENDON_ENTRY = {self.tendon[2] if self.tendon else 0}",
+            f"COUPLING, COUPLED = {self.coupled!r}",
             f"LINKED = {self.linked}  # node of u_s when the links are springs",
             "# node, displacement over that of the node, height of the storey below",
             f"FLOORS = {[(n, float(s), float(z)) for n, s, z in self.floors]!r}",
@@ -159,6 +163,11 @@ class _Script:
 
     # wall: nodes 1 base, 2 and 3 corners, 4 middle, 5 top, 6 corner of the link; 11 to 13 ground.
     # A wall that bends has also 7, top of the straight axis, and from 301 on those of the axis.
+    # Nodes of further walls are higher by 1000 each; their couplings are between 8 and 9.
+
+    def _walls(self) -> list[tuple[int, float]]:
+        """Return of each wall what its nodes are higher by, and the place of its axis [m]."""
+        return [(1000 * i, i * self.building.spacing) for i in range(self.building.walls)]
 
     def _wall(self) -> None:
         given = self.building
@@ -176,18 +185,28 @@ class _Script:
             axis = self._axis()
             beams = [(1, 2), (1, 3), (5, 6), (1, 7)]
             inertia = {1: m * b * b / 3}
-        for node, place in sorted(self.places.items()):
-            self._node(node, *place)
-        for node, mass in self.masses.items():
-            self._do("mass", node, mass, mass, inertia.get(node, 0.0))
+        if given.coupling is not None:
+            middle = b + given.coupling.span / 2
+            self.places |= {8: (middle, h), 9: (-middle, h)}
+            beams += [(4, 8), (4, 9)]
         self._do("geomTransf", "Corotational", 1)
+        places, masses = self.places, self.masses
+        self.places, self.masses = {}, {}
         area = 1e4 * self.k * b
-        for ends in beams:
-            self._element("elasticBeamColumn", *ends, area, 1.0, area * b * b, 1)
+        for first, axis_x in self._walls():
+            self.places |= {first + node: (axis_x + x, z) for node, (x, z) in places.items()}
+            self.masses |= {first + node: mass for node, mass in masses.items()}
+            for node in sorted(places):
+                self._node(first + node, *self.places[first + node])
+            for node, mass in masses.items():
+                self._do("mass", first + node, mass, mass, inertia.get(node, 0.0))
+            for low, high in beams:
+                ends = (first + low, first + high)
+                self._element("elasticBeamColumn", *ends, area, 1.0, area * b * b, 1)
+            for node, x in ((11, 0.0), (12, -b), (13, b)):
+                self._node(first + node, axis_x + x, 0.0, 1, 1, 1)
         if given.bent is not None:
             self._bend(given.bent, axis)
-        for node, x in ((11, 0.0), (12, -b), (13, b)):
-            self._node(node, x, 0.0, 1, 1, 1)
 
     def _axis(self) -> list[int]:
         """Place nodes of a wall that bends, one at each floor; share its mass among them."""
@@ -244,12 +263,13 @@ class _Script:
         groove = ("-orient", slope, slope, 0.0, -slope, slope, 0.0)
         spring = self._material("ENT", 100 * k)
         pad = self._material("Elastic", k, 2 * k / math.sqrt(2 * k / given.m_w))
-        for side, x in ((0, -given.b), (1, given.b)):
-            self._node(22 + side, x, 0.0, 0, 0, 1)
-            pads = ("-mat", pad, pad, "-dir", 1, 2)
-            self._element("zeroLength", 12 + side, 22 + side, *pads)
-            springs = ("-mat", spring, spring, "-dir", 1, 2, *groove)
-            self.corners.append(self._element("zeroLength", 22 + side, 2 + side, *springs))
+        pads = ("-mat", pad, pad, "-dir", 1, 2)
+        springs = ("-mat", spring, spring, "-dir", 1, 2, *groove)
+        for first, axis_x in self._walls():
+            for side, x in ((first, -given.b), (first + 1, given.b)):
+                self._node(22 + side, axis_x + x, 0.0, 0, 0, 1)
+                self._element("zeroLength", 12 + side, 22 + side, *pads)
+                self.corners.append(self._element("zeroLength", 22 + side, 2 + side, *springs))
 
     def _devices(self) -> None:
         """Put fuses and dampers between the corners and the ground."""
@@ -259,15 +279,37 @@ class _Script:
             return
         self._title("devices under the corners, on their vertical displacement")
         self._note("devices under the corners follow the vertical displacement of the corner")
-        for side in (0, 1):
-            materials = [self._law(given.fuse)] if given.fuse is not None else []
-            if constant and exponent == 1:
-                materials.append(self._material("Elastic", 0.0, constant))
-            elif constant:
-                materials.append(self._material("Viscous", constant, exponent))
-            for material in materials:
-                words = ("-mat", material, "-dir", 2)
-                self._element("zeroLength", 12 + side, 2 + side, *words)
+        materials = [self._law(given.fuse)] if given.fuse is not None else []
+        if constant and exponent == 1:
+            materials.append(self._material("Elastic", 0.0, constant))
+        elif constant:
+            materials.append(self._material("Viscous", constant, exponent))
+        for first, _ in self._walls():
+            for side in (first, first + 1):
+                self._link_vertically(12 + side, 2 + side, materials)
+
+    def _couplings(self) -> None:
+        """Put springs and dashpots between the edges of the walls."""
+        coupling = self.building.coupling
+        if coupling is None:
+            return
+        self._title("couplings between the walls, on stiff arms to the middle of the gap")
+        self._note("couplings follow the vertical displacement of the edges; walls do not touch")
+        materials = [self._law(coupling.law)] if coupling.law is not None else []
+        if coupling.c:
+            materials.append(self._material("Elastic", 0.0, coupling.c))
+        for first, _ in self._walls()[:-1]:
+            ends = (first + 8, first + 1009)
+            elements = self._link_vertically(*ends, materials)
+            if not first:
+                self.coupled = (elements, list(ends))
+
+    def _link_vertically(self, low: int, high: int, materials: list[int]) -> list[int]:
+        """Put elements between two nodes at one place."""
+        return [
+            self._element("zeroLength", low, high, "-mat", material, "-dir", 2)
+            for material in materials
+        ]
 
     def _tendon(self) -> None:
         tendon, length = self.building.tendon, 2 * self.building.h
@@ -288,12 +330,14 @@ class _Script:
             material = self._material("MinMax", material, "-max", strain)
         if tendon.is_straight:
             top = 5 if self.building.bent is None else 7
-            tag = self._element("corotTruss", 11, top, 1.0, material)
-            self.tendon = (tag, "axialForce", 0)
+            for first, _ in self._walls():
+                tag = self._element("corotTruss", first + 11, first + top, 1.0, material)
+                self.tendon = self.tendon or (tag, "axialForce", 0)
             return
         self._note("the cable of Eq. (1) follows the uplift b sin(theta) of the middle of the base")
-        tag = self._element("zeroLength", 11, 1, "-mat", material, "-dir", 2)
-        self.tendon = (tag, "force", 4)
+        for first, _ in self._walls():
+            (tag,) = self._link_vertically(first + 11, first + 1, [material])
+            self.tendon = self.tendon or (tag, "force", 4)
 
     def _law(self, law: Law) -> int:
         """Write the material of a spring."""
@@ -400,14 +444,20 @@ class _Script:
 
     def _link(self, frame: Frame, roof: int) -> None:
         given = self.building
-        self._title("link from the roof to the left top corner of the wall")
+        self._title("link from the roof to the left top corner of each wall")
         length = given.link if math.isfinite(given.link) else _LONG
         if not math.isfinite(given.link):
             self._note(f"the link is {length:g} m long, with a dashpot against vibrations")
-        both = 1 / (1 / float(frame.m[-1]) + 1 / given.m_w)
+        both = 1 / (given.walls / float(frame.m[-1]) + 1 / given.m_w)
         damping = 2 * math.sqrt(self.k * both)
         link = self._material("Elastic", self.k * length, damping * length)
-        self._element("corotTruss", roof, 6, 1.0, link)
+        for first, axis_x in self._walls():
+            node = roof
+            if first:
+                node = first + 10
+                self._node(node, axis_x - given.b - length, 2 * given.h, 0, 1, 1)
+                self._do("equalDOF", roof, node, 1)
+            self._element("corotTruss", node, first + 6, 1.0, link)
 
     # loads and motion
 
@@ -442,7 +492,7 @@ class _Script:
         pivot = 0.0 if given.is_pinned else side * given.b
         s, c = math.sin(theta), math.cos(theta)
         for node, (x, z) in sorted(self.places.items()):
-            arm = x - pivot
+            arm = x - pivot - node // 1000 * given.spacing
             moved = (pivot + arm * c + z * s - x, -arm * s + z * c - z, -theta)
             speeds = (rate * (z * c - arm * s), -rate * (arm * c + z * s), -rate)
             for dof in (1, 2, 3):

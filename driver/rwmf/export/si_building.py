@@ -12,6 +12,8 @@ import numpy.typing as npt
 from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.case.elements import single
+from rwmf.case.groups import Coupling as CouplingGroup
+from rwmf.case.groups import Fuse
 from rwmf.errors import InputError
 
 Array = npt.NDArray[np.float64]
@@ -131,6 +133,25 @@ class BentWall:
 
 
 @dataclass(frozen=True)
+class Coupling:
+    """Spring and dashpot between the edges of two walls.
+
+    Attributes
+    ----------
+    law : Law or None
+        The spring.
+    c : float
+        Constant of the dashpot [N s/m].
+    span : float
+        Clear distance of the edges [m].
+    """
+
+    law: Law | None
+    c: float
+    span: float
+
+
+@dataclass(frozen=True)
 class Building:
     """A case in SI units.
 
@@ -138,6 +159,10 @@ class Building:
     ----------
     h, b, m_w : float
         Half height [m], half width [m], mass of the wall [kg]; zero without wall.
+    walls : int
+        Number of equal walls side by side.
+    coupling : Coupling or None
+        Their couplings.
     g : float
         Gravity [m/s2].
     is_pinned : bool
@@ -167,6 +192,8 @@ class Building:
     h: float
     b: float
     m_w: float
+    walls: int
+    coupling: Coupling | None
     g: float
     is_pinned: bool
     bent: BentWall | None
@@ -187,6 +214,11 @@ class Building:
         """Slenderness of the wall [rad]."""
         return math.atan2(self.b, self.h)
 
+    @property
+    def spacing(self) -> float:
+        """Distance of the axes of two walls [m]."""
+        return 2 * self.b + (self.coupling.span if self.coupling is not None else 0.0)
+
 
 def read_building(case: Case) -> Building:
     """Read a case."""
@@ -205,23 +237,21 @@ def read_building(case: Case) -> Building:
             single("&nl_damper: eta_1", case.nl_damper.eta_1) * weight,
             case.nl_damper.exponent,
         )
-    fuse = None
-    if case.fuse is not None:
-        force = single("&fuse: eta_y", case.fuse.eta_y) * weight
-        fuse = Law(force / single("&fuse: stroke_y", case.fuse.stroke_y), force, dict(case.fuse))
     initial = case.initial
     dt, a, a_v, t_end = _motions(case)
     return Building(
         h=h,
         b=b,
         m_w=m_w,
+        walls=1 if wall is None else wall.walls,
+        coupling=None if case.coupling is None else _coupling(case, m_w),
         g=g,
         is_pinned=wall is not None and wall.base == "pinned",
         bent=None if case.bending is None else _bent_wall(case, m_w),
         link=math.inf if case.link is None else case.link.L,
         frame=None if case.frame is None else _frame(case, m_w),
         tendon=None if case.cable is None else _tendon(case, weight),
-        fuse=fuse,
+        fuse=None if case.fuse is None else _spring("fuse", case.fuse, weight),
         damper=damper,
         theta=0.0 if initial is None else initial.theta_over_alpha * math.atan2(b, h),
         theta_dot=0.0 if initial is None else initial.theta_dot,
@@ -236,6 +266,7 @@ _LAWS = ("elastic_plastic", "flag", "peak_oriented", "pinched")
 _EXPORTED = {
     "wall", "frame", "storeys", "yielding", "fuse", "damper", "nl_damper", "cable", "p_delta",
     "link", "vertical", "initial", "impact", "motion", "model", "solver", "output", "bending",
+    "coupling",
 }  # fmt: skip
 
 
@@ -245,8 +276,6 @@ def _refuse(case: Case) -> None:
     def stop(group: str, why: str) -> None:
         raise InputError(f"{case.label}: &{group}: OpenSees lacks {why}")
 
-    if case.wall is not None and case.wall.walls > 1:
-        stop("wall", "several walls in this export; walls = 1")
     for name in ("cable", "fuse", "damper", "nl_damper"):
         group = getattr(case, name)
         for key in ("offset", "height"):
@@ -254,7 +283,7 @@ def _refuse(case: Case) -> None:
                 stop(name, f"{key} in this export: elements at the axis and the corners only")
     if case.inerter is not None:
         stop("inerter", "an inerter; leave the group out")
-    for name in ("yielding", "fuse"):
+    for name in ("yielding", "fuse", "coupling"):
         group = getattr(case, name)
         if group is not None and group.law not in _LAWS:
             stop(name, f"law = '{group.law}'; it has {', '.join(_LAWS)}")
@@ -273,6 +302,26 @@ def _refuse(case: Case) -> None:
         stop("bending", "xi_of = 'rocking'; use 'cantilever'")
     for name in sorted(set(case.groups) - _EXPORTED):
         stop(name, "a counterpart in this export; leave the group out")
+
+
+def _spring(name: str, group: Fuse | CouplingGroup, weight: float) -> Law:
+    """Return a spring that yields, of a group for all elements."""
+    force = single(f"&{name}: eta_y", group.eta_y) * weight
+    return Law(force / single(f"&{name}: stroke_y", group.stroke_y), force, dict(group))
+
+
+def _coupling(case: Case, m_w: float) -> Coupling:
+    """Return the coupling of two walls; `m_w` scales the ratios."""
+    group = case.coupling
+    law = None
+    if "eta_y" in group:
+        law = _spring("coupling", group, m_w * case.model.g)
+    elif "k_over_m_w" in group:
+        law = Law(single("&coupling: k_over_m_w", group.k_over_m_w) * m_w)
+    c = 0.0
+    if "c_over_m_w" in group:
+        c = single("&coupling: c_over_m_w", group.c_over_m_w) * m_w
+    return Coupling(law, c, group.span)
 
 
 def _bent_wall(case: Case, m_w: float) -> BentWall:

@@ -16,6 +16,7 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
 from rwmf.plotting.building import Building, BuildingLines, find_building
+from rwmf.plotting.elements import COLOURS_OF, Line, axes_of, lines_of, outermost
 from rwmf.plotting.levels import mode_shapes
 from rwmf.plotting.style import COLOURS, GREY, INK, PALE, new_figure
 
@@ -337,7 +338,7 @@ def _feet(case: Case, building: Building) -> Array:
     """Return the positions of both columns [m]: left of the wall, or in the middle."""
     if case.wall is None:
         return float(building.levels[-1]) * np.array([-0.3, 0.3])
-    feet: Array = -case.wall.b - case.wall.h * np.array([2.0, 1.0])
+    feet: Array = outermost(case)[0] - case.wall.h * np.array([2.0, 1.0])
     return feet
 
 
@@ -350,7 +351,10 @@ def _frame_scene(ax: Axes, case: Case, building: Building | None, ground: float)
     side = 1.5 * height if case.wall is not None else height
     reach = max(side, ground + 0.5 * side)
     beside = 0.5 * height if case.wall is not None and building is not None else 0.0
-    ax.set_xlim(-reach - beside, reach)
+    left, right = 0.0, 0.0
+    if case.wall is not None:
+        left, right = outermost(case) - np.array([-case.wall.b, case.wall.b])
+    ax.set_xlim(left - reach - beside, right + reach)
     ax.set_ylim(-0.08 * height, 1.3 * height)
     ax.set_aspect("equal")
     ax.set_axis_off()
@@ -365,8 +369,15 @@ def _wall(
     h, b, is_pinned = case.wall.h, case.wall.b, case.wall.base == "pinned"
     share = _FACE if case.bending is not None else _FACE[[0, -1]]
     bent = scale.deflection * _deflections(case, dataset, share)
-    (wall,) = ax.fill([0], [0], facecolor=PALE, edgecolor=INK, zorder=3)
-    (cable,) = ax.plot([], [], color=COLOURS[2], linewidth=1.2, zorder=4)
+    axes, rods = axes_of(case), _by_kind(lines_of(case))
+    walls = [ax.fill([0], [0], facecolor=PALE, edgecolor=INK, zorder=3)[0] for _ in axes]
+    drawn = {
+        kind: ax.plot(
+            [], [], color=COLOURS[COLOURS_OF[kind]] if kind in COLOURS_OF else GREY,
+            linewidth=1.2 if kind == "cable" else 2.0, zorder=4,
+        )[0]
+        for kind in rods
+    }  # fmt: skip
     (hinge,) = ax.plot([], [], "o", color=INK, markersize=6, zorder=5)
     (flash,) = ax.plot([], [], "*", color=COLOURS[1], markersize=16, zorder=5)
     theta, t = dataset["theta"].values, dataset["time"].values
@@ -383,9 +394,24 @@ def _wall(
             return line
 
         left, right = bend(box[0], box[3]), bend(box[1], box[2])
-        wall.set_xy(np.concatenate((right, left[::-1])))
-        if case.cable is not None:
-            cable.set_data(*bend(np.array([ground[i], 0.0]), 0.5 * (box[2] + box[3])).T)
+        outline = np.concatenate((right, left[::-1]))
+        for wall, axis in zip(walls, axes, strict=True):
+            wall.set_xy(outline + np.array([axis, 0.0]))
+
+        def place(end: tuple[int, float, float]) -> Array:
+            number, x, z = end
+            if number < 0:
+                return np.array([ground[i] + x, z])
+            across, along = (box[1] - box[0]) / (2 * b), (box[3] - box[0]) / (2 * h)
+            point: Array = box[0] + np.array([axes[number], 0.0]) + (x + b) * across + z * along
+            return point
+
+        for kind, line in drawn.items():
+            # the tendon follows a wall that bends
+            join = bend if kind == "cable" else (lambda *ends: np.stack(ends))
+            parts = [join(*map(place, item.ends)) for item in rods[kind]]
+            gap = np.full((1, 2), np.nan)
+            line.set_data(*np.concatenate([x for part in parts for x in (part, gap)]).T)
         if is_pinned:
             hinge.set_data([ground[i]], [0.0])
             return "", left
@@ -393,8 +419,17 @@ def _wall(
         hit = np.any((past >= 0) & (past < _FLASH))
         # rotation about the corner that has come down
         down = box[1] if theta[i] > 0 else box[0]
-        flash.set_data([down[0]], [0.0]) if hit else flash.set_data([], [])
+        struck = down[0] + np.array(axes) if hit else np.empty(0)
+        flash.set_data(struck, np.zeros(struck.size))
         state = still if theta[i] == 0.0 else ("impact" if hit else "rocking")
         return state, left
 
     return move
+
+
+def _by_kind(lines: list[Line]) -> dict[str, list[Line]]:
+    """Sort lines by their kind."""
+    found: dict[str, list[Line]] = {}
+    for line in lines:
+        found.setdefault(line.kind, []).append(line)
+    return found

@@ -76,7 +76,8 @@ _NOT_CALLED = {"loops.Loop", "records.Record", "records.RecordPair", "records.Se
                "hosts.ElementEvent", "hosts.ElementResponse", "hosts.ElementSnapshot",
                "hosts.WallEvent", "hosts.WallEvents", "hosts.WallForces", "hosts.WallMaxima",
                "hosts.WallSnapshot", "hosts.WallState", "coupling.CoupledRun",
-               "coupling.CouplingEnergy", "coupling.Host"}  # fmt: skip
+               "coupling.CouplingEnergy", "coupling.Host", "sections.Footing",
+               "sections.Plate", "sections.Toe"}  # fmt: skip
 # needs the package openseespy
 _NOT_CALLED |= {"coupling.OpenSeesHost"}
 
@@ -170,11 +171,14 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "Wall": {"case": case, "t_begin": 0.0, "peak": None},
         "Walls": {"cases": case, "n": 1, "t_begin": 0.0, "peak": None, "threads": 1},
         "paper_coefficients": {"case": case, "theta": [0.01]},
-        "base_section": {"N": [1e6], "theta": [0.01], "width": 4.0, "thickness": 0.3, "k": 1e10,
-                         "E": None, "f_c": 4e7},
+        "sections.base_section": {"N": [1e6], "theta": [0.01], "width": 4.0, "thickness": 0.3,
+                                  "k": 1e10, "E": None, "f_c": 4e7},
         "checks": {"case": limited, "result": found["run"]},
-        "ufp_force": {"stress": 3e8, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
-        "ufp_stiffness": {"modulus": 2e11, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
+        "sections.fatigue_cycles": {"strain": 0.02, "strain_1": 0.2, "slope": -0.5},
+        "sections.footing": {"G": 4e7, "nu": 0.3, "width": 6.0, "thickness": 2.0, "density": 2e3},
+        "sections.toe": {"f_c": 4e7, "height": 19.2, "pressure": 0.0},
+        "sections.ufp": {"stress": 3e8, "width": 0.1, "thickness": 0.01, "diameter": 0.1,
+                         "modulus": 2e11, "leg": 0.05},
         "coupling.FunctionHost": {"mass": [1.0], "damping": [[0.1]], "restoring": [[40.0]],
                                   "ground": _still, "links": [0], "on_commit": None},
         "coupling.couple": {"case": case, "host": _host(), "ground": _still, "dt": 0.05,

@@ -48,7 +48,7 @@ def test_script_has_the_masses_and_the_motion(name: str) -> None:
     script = opensees_script(case)
     compile(script, name, "exec")
     masses = sum(float(words[1]) for words in calls(script, "mass"))
-    expected = 0.0 if case.wall is None else 40e3
+    expected = 0.0 if case.wall is None else 40e3 * case.wall.walls
     if case.storeys is not None:
         n = len(case.storeys.m_over_m_w)
         expected += n * 25e3 if case.storeys.coupling != "reduced" else 0.0
@@ -69,6 +69,8 @@ def test_script_has_the_masses_and_the_motion(name: str) -> None:
         ("yielding", WALL + FRAME + "&yielding u_y = 0.03, law = 'friction' /"),
         ("yielding", "&frame T_s = 1.0, xi_s = 0.05 / &yielding u_y = 0.03, law = 'bouc_wen' /"),
         ("fuse", WALL + FRAME + "&fuse F_y = 4e4, k = 2e7, law = 'friction' /"),
+        ("fuse", WALL + FRAME + "&fuse offset = 0.4, F_y = 4e4, k = 2e7 /"),
+        ("restraint", WALL + FRAME + "&restraint offset = 1.2, height = 0.0, k = 1e6 /"),
         ("impact", "&wall h = 5.0, b = 1.2 / &impact e = 0.9 /"),
         ("bending", WALL + FRAME + "&bending EI = 4e9 /"),
         ("initial", WALL + FRAME + "&initial theta_over_alpha = 0.2 /"),
@@ -77,6 +79,20 @@ def test_script_has_the_masses_and_the_motion(name: str) -> None:
 def test_error_names_the_group(group: str, text: str) -> None:
     with pytest.raises(InputError, match=rf"&{group}: OpenSees lacks "):
         opensees_script(case_of(text))
+
+
+def test_walls_side_by_side() -> None:
+    """Corners, tendons and beams of three walls; the arms of a coupling meet in the gap."""
+    script = opensees_script(case_of(CASES["three walls and beams"]))
+    nodes = {int(x[0]): (float(x[1]), float(x[2])) for x in calls(script, "node")}
+    assert [nodes[1000 * i + 1][0] for i in range(3)] == pytest.approx([0.0, 3.9, 7.8])
+    elements = calls(script, "element")
+    tendons = [x for x in elements if x[0] == '"corotTruss"' and int(x[2]) % 1000 == 11]
+    assert [int(x[3]) for x in tendons] == [5, 1005, 2005]
+    arms = [x[2:4] for x in elements if x[0] == '"zeroLength"' and int(x[2]) % 1000 == 8]
+    # a spring and a dashpot in each gap
+    assert arms == [["8", "1009"]] * 2 + [["1008", "2009"]] * 2
+    assert nodes[8] == pytest.approx(nodes[1009]) and nodes[8] == pytest.approx((1.95, 5.0))
 
 
 @pytest.mark.parametrize(("name", "floors"), BENT_WALLS.items())

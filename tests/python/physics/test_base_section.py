@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import math
 from itertools import pairwise
 from pathlib import Path
@@ -25,7 +26,7 @@ DEMANDS = ("contact_length_min_m", "toe_stress_max_Pa", "toe_strain_max")
 
 def _section(force: npt.ArrayLike, theta: npt.ArrayLike, **changes: float | None) -> xr.Dataset:
     given: dict[str, Any] = {"width": WIDTH, "thickness": THICKNESS, "k": K} | changes
-    return rwmf.base_section(force, theta, **given)
+    return rwmf.sections.base_section(force, theta, **given)
 
 
 def test_printed_moments() -> None:
@@ -37,16 +38,63 @@ def test_printed_moments() -> None:
 def test_force_and_stiffness_of_a_u_shaped_plate() -> None:
     """Plastic moments at both tangent points; bending energy of the semicircle."""
     E, stress, width, thickness, diameter = 200e9, 350e6, 0.12, 0.01, 0.1
-    force = rwmf.ufp_force(stress, width, thickness, diameter)
-    assert f"{force / 1e3:.3f}" == "21.000"
-    assert force * diameter == pytest.approx(2 * stress * width * thickness**2 / 4, rel=1e-14)
+    plate = rwmf.sections.ufp(width, thickness, diameter, stress=stress, modulus=E)
+    assert f"{plate.F_p / 1e3:.3f} {plate.F_y / 1e3:.3f}" == "21.000 14.000"
+    assert plate.F_p * diameter == pytest.approx(2 * stress * width * thickness**2 / 4, rel=1e-14)
     inertia, radius = width * thickness**3 / 12, diameter / 2
     # displacement under 1 N: the moment is radius cos(angle)
     moved = quad(lambda x: (radius * math.cos(x)) ** 2 * radius / (E * inertia), 0, math.pi)[0]
-    stiffness = rwmf.ufp_stiffness(E, width, thickness, diameter)
-    assert stiffness == pytest.approx(1 / moved, rel=1e-12)
+    assert plate.k == pytest.approx(1 / moved, rel=1e-12)
     with pytest.raises(rwmf.InputError, match=r"^thickness = 0: must be a finite number > 0"):
-        rwmf.ufp_force(350e6, 0.12, 0, 0.1)
+        rwmf.sections.ufp(0.12, 0, 0.1, stress=350e6)
+
+
+def test_plate_rolls_until_it_breaks() -> None:
+    """Strain of the fibre that the bend straightens; printed constants of the fatigue law."""
+    plate = rwmf.sections.ufp(0.12, 0.01, 0.1, stress=350e6, leg=0.06)
+    # the outer fibre of the half circle is longer than its middle
+    outer, middle = math.pi * (0.1 + 0.01) / 2, math.pi * 0.1 / 2
+    assert plate.strain == pytest.approx((outer / middle - 1) / 2, rel=1e-14)
+    # the middle of the bend moves by half of the stroke
+    assert plate.stroke == 0.12
+    assert rwmf.sections.fatigue_cycles(0.191) == 1.0
+    per_decade = rwmf.sections.fatigue_cycles(0.00191) / rwmf.sections.fatigue_cycles(0.0191)
+    assert math.log10(per_decade) == pytest.approx(1 / 0.458, rel=1e-12)
+    assert plate.cycles == pytest.approx(18.66, abs=0.005)
+
+
+def test_footings_of_published_tables() -> None:
+    """Square and long footings by hand, beside the formulas of ASCE 41 with whole sides."""
+    G, nu, a = 40e6, 0.3, 4.0
+    square = rwmf.sections.footing(G, nu, a, a)
+    # 4.7 and 4.0 are the sums of coefficients at L = B
+    assert square.K_z == pytest.approx(4.7 * G * 2.0 / 0.7, rel=1e-14)
+    assert square.K_r == pytest.approx(4.0 * G * 8.0 / 0.7, rel=1e-14)
+    assert square.c_z == pytest.approx(math.sqrt(2 * 0.7 / 0.4 * G * 1800.0), rel=1e-14)
+    for width, thickness in ((9.0, 2.0), (2.0, 9.0)):
+        found = rwmf.sections.footing(G, nu, width, thickness, density=1900.0)
+        ratio = 4.5
+        assert found.K_z == pytest.approx(G * 2.0 / 0.7 * (1.55 * ratio**0.75 + 0.8), rel=1e-14)
+        turn = 0.47 * ratio**2.4 + 0.034 if width > thickness else 0.4 * ratio + 0.1
+        assert found.K_r == pytest.approx(G * 8.0 / 0.7 * turn, rel=1e-2)
+        # springs of the modulus under the whole base
+        inertia = thickness * width**3 / 12
+        assert found.k_r * inertia == pytest.approx(found.K_r, rel=1e-14)
+        assert found.k_z * width * thickness == pytest.approx(found.K_z, rel=1e-14)
+    assert rwmf.sections.footing(G, 0.49, a, a).c_z == 2.5 * math.sqrt(G * 1800.0)
+
+
+def test_concrete_of_a_toe() -> None:
+    """Mander's strength by hand: r = 0.05 gives 1.310110."""
+    plain, tied = (rwmf.sections.toe(40e6, 19.2, pressure=p) for p in (0.0, 2e6))
+    assert plain == pytest.approx((40e6, 4700e6 * math.sqrt(40), 1.152, 0.002), rel=1e-14)
+    assert tied.f_c / 40e6 == pytest.approx(1.310110, abs=5e-7)
+    assert tied.strain == pytest.approx(0.002 * (1 + 5 * 0.310110), abs=1e-8)
+    coupled(wall=WALL, base_section={"f_c": tied.f_c, "E": tied.E, "length": tied.length})
+
+
+def test_examples_of_the_docstrings() -> None:
+    assert doctest.testmod(rwmf.sections).failed == 0
 
 
 @pytest.mark.parametrize("f_c", [None, 2.3e6, 3e6, 4e6, 2e7])

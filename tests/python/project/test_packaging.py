@@ -48,6 +48,32 @@ def test_pages_have_the_version_and_its_day() -> None:
     assert _found(r"^date-released: (\S+)$", "CITATION.cff") == day
 
 
+def test_recipe_of_conda_has_the_packages_of_the_metadata() -> None:
+    """Version, licence, run and build requirements, in the notation of conda."""
+    jinja2, yaml = pytest.importorskip("jinja2"), pytest.importorskip("yaml")
+    text = jinja2.Template(_text("tools/conda/meta.yaml")).render(
+        PYTHON="python", compiler=lambda name: f"{name}-compiler"
+    )
+    recipe = yaml.safe_load(text)
+    assert recipe["package"] == {"name": "rwmf", "version": VERSION}
+    assert recipe["about"]["license"] == PYPROJECT["project"]["license"]
+
+    def plain(words: list[str]) -> set[str]:
+        return {word.replace(" ", "").replace("==", "") for word in words}
+
+    needs = recipe["requirements"]
+    python = f"python{PYPROJECT['project']['requires-python']}"
+    assert plain(needs["run"]) == {*plain(PYPROJECT["project"]["dependencies"]), python}
+    assert plain(PYPROJECT["build-system"]["requires"]) <= plain(needs["host"])
+
+
+def test_page_of_installation_names_version_and_extras() -> None:
+    page = _text("docs/howto/install.md")
+    assert f"version = {{{VERSION}}}" in page and f"rwmf-{VERSION}-" in page
+    extras = set(PYPROJECT["project"]["optional-dependencies"]) - {"bench", "test", "validation"}
+    assert extras <= set(re.findall(r"`(\w+)`", page))
+
+
 def test_metadata() -> None:
     project = PYPROJECT["project"]
     assert project["dynamic"] == ["version"]

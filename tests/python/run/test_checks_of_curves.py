@@ -91,7 +91,7 @@ def test_demands_by_statics(coupling: str, bending: dict[str, Any] | None) -> No
     assert demand["cable_force_increment_max_N"] == pytest.approx(
         area * (1.95e11 * strain - 6e8), rel=1e-11
     )
-    section = rwmf.base_section(
+    section = rwmf.sections.base_section(
         columns["pivot_normal_over_m_w_g"] * WEIGHT, theta, width=4.0, thickness=0.35, k=1e10
     )
     stress = section.toe_stress.values.max()

@@ -274,3 +274,37 @@ def test_results_load_neither_scipy_nor_matplotlib() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
     )
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    "name", ["storeys_springs", "storeys_bending", "which_spring_takes_the_energy", "study_block"]
+)
+def test_table_has_a_row_for_each_time(name: str) -> None:
+    """Columns have the names and numbers of single storeys, and no product with the events."""
+    run = rwmf.simulate(ROOT / "inputs" / f"{name}.nml", dt=0.05)
+    table = run.table()
+    assert table.index.tolist() == run["time"].values.tolist()
+    over_time = [x for x in run.data_vars.values() if "time" in x.dims]
+    assert sum(int(np.prod(x.shape[1:])) for x in over_time) >= table.shape[1] >= len(over_time)
+    for column in table:
+        assert np.array_equal(table[column], run[column].values, equal_nan=True), column
+        assert table.attrs["units"][column] == run[column].attrs["units"]
+    if "storey" in run.dims:
+        assert "storey_2_drift" in table and "storeys_drift" not in table
+    levels = [size for level, size in run.sizes.items() if level not in ("time", "event")]
+    assert len(run.to_dataframe()) == run.sizes["time"] * int(np.prod(levels))
+    with pytest.raises(rwmf.InputError, match="table: no history"):
+        run.drop_dims("time").table()
+
+
+def test_a_response_draws_itself() -> None:
+    run = rwmf.simulate(_storeys("full"))
+    ours, theirs = run.plot(variables=["u_s"]), rwmf.plot.history(run, variables=["u_s"])
+    for ax, other in zip(ours, theirs, strict=True):
+        assert np.array_equal(ax.lines[0].get_xydata(), other.lines[0].get_xydata())
+    # the methods of xarray remain
+    assert run.plot.scatter(x="u_s", y="theta") is not None
+    page = run._repr_html_()
+    head, _, folded = page.partition("<details>")
+    assert run.headline().splitlines()[0] in head
+    assert "xr-wrap" in folded and "xr-wrap" not in head

@@ -6,7 +6,8 @@ import { byId, element } from "./format.js";
 
 // title and abscissa of a kind of spring
 const KINDS = { frame: ["Frame", "u_s [mm]"], storey: ["Storeys", "storey drift [mm]"],
-  cable: ["Tendon", "elongation [mm]"], fuse: ["Fuses", "uplift of its corner [mm]"] };
+  cable: ["Tendon", "elongation [mm]"], fuse: ["Fuses", "stroke [mm]"],
+  coupling: ["Couplings", "stroke [mm]"], restraint: ["Restraints", "stroke [mm]"] };
 
 export function showLoops(loops) {
   const kinds = Map.groupBy(loops, (loop) => loop.kind);

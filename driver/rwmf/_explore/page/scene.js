@@ -299,7 +299,7 @@ export class Scene {
     if (name === "p_delta" && !this.has("wall") && !this.has("storeys")) this.start("p_delta.h_f");
     for (const [key, value] of Object.entries(implied[name] ?? {})) {
       if (value === null) this.leave(key);
-      else {
+      else if (!(Number(value) <= this.get(key))) { // further walls remain
         this.put(key.split(".")[0]);
         this.setKey(key, value);
       }

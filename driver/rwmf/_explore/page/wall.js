@@ -52,8 +52,8 @@ export class Stage {
     const sway = this.bend * deflection + this.factor * (columns.theta
       ? height * Math.min(peak(columns.theta), Math.PI / 2) : peak(columns.u_s));
     const moves = sway + peak(ground) + 0.08 * height;
-    return [moves + (scene.h ? scene.b + (scene.frame ? 1.1 * height : 0) : 0.3 * height),
-      moves + (scene.h ? scene.b : 0.3 * height)];
+    const [left, right] = scene.ends ?? [-0.3 * height, 0.3 * height];
+    return [moves - left + (scene.h && scene.frame ? 1.1 * height : 0), moves + right];
   }
 
   draw(t) {
@@ -124,7 +124,7 @@ export class Stage {
 
   wall(motion, t, ground) {
     const { scene, impacts } = motion;
-    const { h, b, pinned, frame, cable } = scene;
+    const { h, b, pinned, frame, axes } = scene;
     const theta = motion.at(motion.columns.theta, t);
     const angle = this.factor * theta;
     const box = corners(h, b, angle, pinned).map(([x, y]) => [x + ground, y]);
@@ -137,22 +137,25 @@ export class Stage {
     });
     const face = bent(box[0], box[3]);
     if (frame) this.frame(motion, ground - b, face.at(-1)[0] - (ground - b), face, t, w);
-    this.path([...face, ...bent(box[1], box[2]).reverse(), box[0]], "ink", 1.6, "wall");
-    if (cable) {
-      const top = [(box[2][0] + box[3][0]) / 2, (box[2][1] + box[3][1]) / 2];
-      this.path(bent([ground, 0], top), "c2", 2);
+    const outline = [...face, ...bent(box[1], box[2]).reverse(), box[0]];
+    for (const axis of axes) this.path(outline.map(([x, y]) => [x + axis, y]), "ink", 1.6, "wall");
+    // a point of a wall, or of the ground
+    const place = ([wall, x, y]) => (wall < 0 ? [ground + x, y] : [0, 1].map((k) => box[0][k]
+      + (x + b) * (box[1][k] - box[0][k]) / (2 * b) + y * (box[3][k] - box[0][k]) / (2 * h)
+      + (k ? 0 : axes[wall])));
+    for (const [kind, tone, ends] of scene.lines) {
+      const [from, to] = ends.map(place);
+      // the tendon follows a wall that bends
+      if (kind === "cable") this.path(bent(from, to), "c2", 2);
+      else this.path([from, to], tone === null ? "alone" : `c${tone}`, 3);
     }
-    for (const [name, tone] of [["fuse", "c4"], ["damper", "c3"], ["inerter", "c5"]]) {
-      if (scene[name]) for (const corner of [box[0], box[1]]) this.path(
-        [[corner[0], 0], corner], tone, 3);
-    }
-    const hit = impacts.some((instant) => t >= instant && t - instant < FLASH);
-    if (hit) {
-      const [x, y] = theta > 0 ? box[1] : box[0];
-      const { ctx } = this;
+    if (!impacts.some((instant) => t >= instant && t - instant < FLASH)) return;
+    const [x, y] = theta > 0 ? box[1] : box[0];
+    const { ctx } = this;
+    ctx.fillStyle = colour("c1");
+    for (const axis of axes) {
       ctx.beginPath();
-      ctx.arc(x, y, 7 * this.pixel, 0, 2 * Math.PI);
-      ctx.fillStyle = colour("c1");
+      ctx.arc(x + axis, y, 7 * this.pixel, 0, 2 * Math.PI);
       ctx.fill();
     }
   }
@@ -178,7 +181,8 @@ export class Stage {
   frame(motion, foot, sway, face, t, w = [0, 0]) {
     const { scene, columns } = motion;
     const H = motion.height;
-    const right = face ? foot - 0.5 * H : foot + 0.3 * H;
+    // beside the columns that restrain the wall
+    const right = face ? foot + scene.b + scene.ends[0] - 0.5 * H : foot + 0.3 * H;
     const left = right - 0.6 * H;
     const floors = scene.heights ? levels(scene.heights) : [H];
     const linked = ["every_floor", "springs"].includes(scene.coupling);
