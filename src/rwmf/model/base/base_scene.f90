@@ -109,6 +109,7 @@ contains
       call check_strength(case%compliant_base, scene, error)
       if (allocated(error)) return
       if (scene%has_tendon) call add_tendon(case, scene)
+      scene%frame%m = [real(wp) ::]
       if (allocated(case%frame)) call add_frame(case, scene)
    end subroutine build_base_scene
 
