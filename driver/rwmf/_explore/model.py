@@ -201,7 +201,8 @@ _KEPT = 32
 _KEPT_RECORDS = 3
 # history columns drawn by the page
 _SHOWN = re.compile(
-    r"time$|theta$|u_s$|u_g_ddot$|energy_|storey_\d+_drift$|floor_\d+_acceleration_g$|q_\d+$"
+    r"time$|theta$|u_s$|u_g_ddot$|base_height$|base_slip$|energy_|storey_\d+_drift$"
+    r"|floor_\d+_acceleration_g$|q_\d+$"
 )
 # heights over that of the wall at which its deflected shape is drawn
 _SHARE = np.linspace(0.0, 1.0, 25)

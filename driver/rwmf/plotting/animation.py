@@ -380,13 +380,15 @@ def _wall(
     }  # fmt: skip
     (hinge,) = ax.plot([], [], "o", color=INK, markersize=6, zorder=5)
     (flash,) = ax.plot([], [], "*", color=COLOURS[1], markersize=16, zorder=5)
+    press = _pressure(ax, case, dataset, scale)
     theta, t = dataset["theta"].values, dataset["time"].values
+    slip = dataset["base_slip"].values if "base_slip" in dataset else np.zeros_like(t)
     impacts = dataset["event_time"].values[dataset["event"].values == "impact"]
     still = "at rest" if case.bending is None else "both corners down"
 
     def move(i: int) -> tuple[str, Array | None]:
         angle = scale.rotation * theta[i]
-        box = corners(h, b, angle, is_pinned) + np.array([ground[i], 0.0])
+        box = corners(h, b, angle, is_pinned) + np.array([ground[i] + slip[i], 0.0])
         across = np.outer(bent[:, i], [np.cos(angle), -np.sin(angle)])
 
         def bend(foot: Array, top: Array) -> Array:
@@ -412,6 +414,8 @@ def _wall(
             parts = [join(*map(place, item.ends)) for item in rods[kind]]
             gap = np.full((1, 2), np.nan)
             line.set_data(*np.concatenate([x for part in parts for x in (part, gap)]).T)
+        if press is not None:
+            return press(i, ground[i] + slip[i]), left
         if is_pinned:
             hinge.set_data([ground[i]], [0.0])
             return "", left
@@ -423,6 +427,32 @@ def _wall(
         flash.set_data(struck, np.zeros(struck.size))
         state = still if theta[i] == 0.0 else ("impact" if hit else "rocking")
         return state, left
+
+    return move
+
+
+def _pressure(
+    ax: Axes, case: Case, dataset: xr.Dataset, scale: Scale
+) -> Callable[[int, float], str] | None:
+    """Draw the settlement under a base that gives, as its pressure; return the function moving it.
+
+    The largest settlement is drawn a tenth of the height deep.
+    """
+    if case.base is None or "base_height" not in dataset:
+        return None
+    place = np.linspace(-case.wall.b, case.wall.b, 81)
+    sine, middle = np.sin(dataset["theta"].values), dataset["base_height"].values
+    deepest = float(np.max(case.wall.b * np.abs(sine) - middle))
+    (shape,) = ax.fill([0], [0], facecolor=COLOURS[1], edgecolor="none", alpha=0.6, zorder=2)
+    depth = 0.2 * case.wall.h / max(deepest, np.finfo(float).tiny)
+
+    def move(i: int, middle_at: float) -> str:
+        settled = np.maximum(0.0, place * sine[i] - middle[i])
+        below = np.column_stack([place, -depth * settled])
+        above = np.column_stack([place[::-1], np.zeros_like(place)])
+        shape.set_xy(np.concatenate([below, above]) + np.array([middle_at, 0.0]))
+        share = np.mean(settled > 0)
+        return "in the air" if share == 0.0 else f"{share:.0%} of the base in contact"
 
     return move
 

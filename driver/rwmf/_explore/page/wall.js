@@ -122,12 +122,26 @@ export class Stage {
     }
   }
 
+  // Settlement under a base that gives, as its pressure; the largest is a tenth of the height deep.
+  pressure({ columns, height }, b, foot, sine, middle) {
+    const deepest = peak(Array.from(columns.theta,
+      (theta, i) => b * Math.abs(Math.sin(theta)) - columns.base_height[i]));
+    const below = Array.from({ length: 81 }, (_, i) => {
+      const x = b * (i / 40 - 1);
+      return [foot + x, -0.1 * height * Math.max(0, x * sine - middle) / deepest];
+    });
+    this.path([[foot - b, 0], ...below, [foot + b, 0]], "c1", 1, "c1");
+  }
+
   wall(motion, t, ground) {
     const { scene, impacts } = motion;
     const { h, b, pinned, frame, axes } = scene;
     const theta = motion.at(motion.columns.theta, t);
     const angle = this.factor * theta;
-    const box = corners(h, b, angle, pinned).map(([x, y]) => [x + ground, y]);
+    const { base_height: middle, base_slip: slip } = motion.columns;
+    const foot = ground + (slip ? motion.at(slip, t) : 0);
+    const box = corners(h, b, angle, pinned).map(([x, y]) => [x + foot, y]);
+    if (middle) this.pressure(motion, b, foot, Math.sin(theta), motion.at(middle, t));
     // points of a line along the wall, displaced by its deflection
     const w = motion.deflections(t);
     const bent = (foot, top) => w.map((wi, i) => {

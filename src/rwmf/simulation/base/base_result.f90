@@ -5,9 +5,9 @@ module rwmf_simulation_base_base_result
    use rwmf_model_base_base_scene, only: base_scene_t
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_base_base_record, only: base_record_t, first_floor, of_contact, of_left, &
-      of_middle, of_normal, of_rate, of_right, of_drift, of_shear, of_slip, of_stress, of_tendon, of_theta, &
-      of_total, of_u, stored_energies, stored_t
+   use rwmf_simulation_base_base_record, only: base_record_t, first_floor, of_contact, of_drift, &
+      of_left, of_middle, of_normal, of_rate, of_right, of_shear, of_slip, of_stress, of_tendon, &
+      of_theta, of_total, of_u, stored_energies, stored_t
    use rwmf_simulation_state_result, only: event_t, result_t, value_t
    implicit none
    private
