@@ -1,0 +1,40 @@
+"""Parts that the programs of this folder share: places, tables in Markdown, alternating times."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+RECORD = {
+    "kind": "record",
+    "file": str(ROOT / "inputs" / "records" / "elcentro.csv"),
+    "unit": "g",
+}
+# scenes of the tests
+sys.path.append(str(ROOT / "tests" / "support"))
+
+
+def line(cells: Sequence[object]) -> str:
+    """Write a line of a table in Markdown."""
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def table(heads: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
+    """Write a table in Markdown."""
+    return "\n".join([line(heads), "|" + "---|" * len(heads), *map(line, rows)])
+
+
+def least(calls: dict[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:
+    """Return the least of the times [s] that each call gives, measured in turn."""
+    times = [[call() for call in calls.values()] for _ in range(rounds)]
+    return dict(zip(calls, map(min, *times), strict=True))
+
+
+def spent(call: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
+    """Return the time that a call takes [s]."""
+    begin = clock()
+    call()
+    return clock() - begin
