@@ -30,7 +30,7 @@ def table(heads: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
 def least(calls: dict[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:
     """Return the least of the times [s] that each call gives, measured in turn."""
     times = [[call() for call in calls.values()] for _ in range(rounds)]
-    return dict(zip(calls, map(min, *times), strict=True))
+    return dict(zip(calls, map(min, zip(*times, strict=True)), strict=True))
 
 
 def spent(call: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
