@@ -49,8 +49,8 @@ class Peer(NamedTuple):
     package: str  # that it imports
     rtol: float  # that it is given [-]
     per_band: int  # periods of each band that it is measured on, 0 for all
+    # Peaks |u_s| [m] from record, gamma, rtol and periods [s]
     peaks: Callable[[Record, float, float, Array], Array]
-    """Peaks |u_s| [m] from record, gamma, rtol and periods [s]."""
 
     @property
     def is_installed(self) -> bool:
@@ -85,14 +85,10 @@ class Wall:
 
     T_s: float
     gamma: float
-    side: float = 1.0
-    """Sign of theta."""
-    origin: float = 0.0
-    """Beginning of the interval [s]."""
-    ground: float = 0.0
-    """Ground acceleration there [m/s2]."""
-    slope: float = 0.0
-    """Its rate in the interval [m/s3]."""
+    side: float = 1.0  # sign of theta
+    origin: float = 0.0  # beginning of the interval [s]
+    ground: float = 0.0  # ground acceleration there [m/s2]
+    slope: float = 0.0  # its rate in the interval [m/s3]
 
     def __post_init__(self) -> None:
         """Derive the coefficients of the equation."""

@@ -42,10 +42,9 @@ class Way(NamedTuple):
     program: str
     rtol: float
     gamma: float
-    parts: list[Array]
-    """Numbers of the computed periods in each band."""
+    parts: list[Array]  # numbers of the computed periods in each band
+    # Peaks [m] of some numbers of periods, and the time [s]
     peaks: Callable[[Array], tuple[Array, float]]
-    """Peaks [m] of some numbers of periods, and the time [s]."""
 
 
 def _kernel(record: Record, method: str, rtol: float, gamma: float, T_s: Array, threads: int = 1
