@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import rwmf
-from common import ROOT, table
+from common import ROOT, fill, table
 from rwmf._cost import METHODS, PAPER, PRACTICES, Cost, Row, cheapest
 from rwmf.plotting import image_files as figures
 from rwmf.plotting import result_figures as plot_cost
@@ -56,10 +56,7 @@ def main() -> None:
         "digits": _by_method(found, _digit),
         "floors": _by_method(found, _floor),
     }
-    text = TEXT.read_text(encoding="utf-8")
-    for key, part in parts.items():
-        text = text.replace(f"<!-- {key} -->", part)
-    (ROOT / "docs" / "validation" / "accuracy.md").write_text(text, encoding="utf-8")
+    (ROOT / "docs" / "validation" / "accuracy.md").write_text(fill(TEXT, **parts), encoding="utf-8")
 
 
 def _sensitivity(case: rwmf.Case) -> float:

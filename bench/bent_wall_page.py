@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import rwmf
-from common import ROOT, table
+from common import ROOT, fill, table
 
 Peaks = dict[str, float]
 CASE = ROOT / "validation" / "six_storeys_wall.nml"
@@ -99,10 +99,13 @@ def page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
     for motion, words in MOTION_NAMES.items():
         parts.append(f"## {words[0].upper()}{words[1:]}\n")
         parts += [f"### {title}\n\n{demands(known[motion, x])}\n" for x, title in TITLES.items()]
-    text = TEXT.read_text(encoding="utf-8")
-    text = text.replace("TABLES\n", "\n".join(parts) + "\n").replace("TARGETS", targets(known))
-    text = text.replace("OWN_STIFFNESS", own_stiffness(known, peaks))
-    return text.replace("CHANGED", demands(_results(changed)))
+    return fill(
+        TEXT,
+        tables="\n".join(parts),
+        targets=targets(known),
+        own_stiffness=own_stiffness(known, peaks),
+        changed=demands(_results(changed)),
+    )
 
 
 def _results(columns: dict[str, Any]) -> dict[str, Peaks]:

@@ -27,6 +27,14 @@ def table(heads: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
     return "\n".join([line(heads), "|" + "---|" * len(heads), *map(line, rows)])
 
 
+def fill(path: Path, **parts: str) -> str:
+    """Read a text and put parts in the place of its comments."""
+    text = path.read_text(encoding="utf-8")
+    for name, part in parts.items():
+        text = text.replace(f"<!-- {name} -->", part)
+    return text
+
+
 def least(calls: dict[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:
     """Return the least of the times [s] that each call gives, measured in turn."""
     times = [[call() for call in calls.values()] for _ in range(rounds)]

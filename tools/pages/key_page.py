@@ -7,30 +7,12 @@ from itertools import groupby
 
 from rwmf import _library
 
-_INTRODUCTION = """\
-# Namelist reference
-
-For users who write a case file: this page lists every group and key, its unit, default and range.
-
-`tools/docs --made` generates it from the table that also validates a case
-(`src/rwmf/input/schema.f90`).
-
-Each effect is one group; the program does not simulate an absent group. Only `&impact` holds by
-default: a rocking wall without it has the momentum balance at its impacts, in every formulation;
-`rule = 'none'` gives e = 1. Write names in small or capital letters, texts in quotes, and comments
-after `!`. An unknown or repeated key, a wrong type or a forbidden value is an error with file,
-line, group, key and the allowed values. A magnitude outside the range of real buildings (*usual*)
-gives a warning only; zero never does. So does a record with a peak below 1e-5 g or above 5 g, an
-interval above 0.1 s or a duration above one hour.
-
-Leave out a *required* key if you give the dimensional keys named after "or". Beside a wall these
-keys need its mass: `m_w`, or `density` and `thickness`, of `&wall`.
-"""
+from pages.blocks import text_of
 
 
 def make() -> str:
     """Make the page in Markdown."""
-    parts = [_INTRODUCTION]
+    parts = [text_of("namelist.md")]
     for group, found in groupby(_library.schema(), key=lambda row: row.group):
         keys = list(found)
         parts.append(

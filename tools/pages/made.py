@@ -15,38 +15,9 @@ from functools import cache
 from rwmf.cli.parser import make_parser
 
 from pages import group_types, key_page, output_page
-from pages.blocks import DOCS, ROOT
+from pages.blocks import DOCS, ROOT, text_of
 
 _WIDTH = 100
-_COMMANDS = """\
-# Commands
-
-For users of a terminal: this page lists every command with its arguments and options.
-`rwmf COMMAND --help` prints the same. The batch program `rwmf-batch CASE.nml ...` needs no
-Python; its options are at the end. `tools/docs --made` generates the page from the parser.
-
-## Exit status
-
-| status | meaning |
-|---|---|
-| 0 | success; an overturning or a collapse is a result |
-| 1 | numerical failure |
-| 2 | wrong input or output |
-| 3 | internal error; `RWMF_TRACEBACK=1` prints the traceback |
-| 130 | interrupted |
-"""
-_FACADE = """\
-# Fortran interface
-
-For developers who call rwmf from Fortran: this page lists every public name of the module `rwmf`.
-The <a href="../fortran/module/rwmf.html">pages of the kernel</a> describe each argument with its
-unit and shape. How to use it: [embedding](../howto/embedding.md),
-[tutorial](../tutorials/host-program.md).
-`tools/docs --made` generates the page from `src/rwmf.f90`.
-
-A failed call allocates `error`, with `error%stat` and `error%message`. The library neither prints
-nor stops, and it keeps nothing between calls.
-"""
 _DEFINITION = (
     r"^ *(?:(?!public|private|use|end)[^!:'\n]*\b(?:subroutine|function) {0}\b"
     r"|type\b[^:\n]*:: *{0}$|(?:abstract )?interface {0}$"
@@ -56,7 +27,7 @@ _DEFINITION = (
 
 def command_page() -> str:
     """Make the reference of the commands."""
-    parts = [_COMMANDS]
+    parts = [text_of("commands.md")]
     for name, parser in _commands("rwmf", make_parser()):
         about = textwrap.fill(parser.description or "", _WIDTH, break_on_hyphens=False)
         parts.append(f"\n## `{name}`\n\n{about}\n")
@@ -105,7 +76,7 @@ def facade_page() -> str:
     """Make the reference of the module `rwmf`."""
     source = (ROOT / "src" / "rwmf.f90").read_text(encoding="utf-8")
     uses = source[source.index("\nmodule rwmf") : source.index("implicit none")]
-    parts = [_FACADE]
+    parts = [text_of("fortran.md")]
     for line in re.sub(r"&\s*\n\s*", "", uses).splitlines():
         if comment := re.match(r" *! (.*)", line):
             title = comment[1][0].upper() + comment[1][1:]
