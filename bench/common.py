@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -33,6 +34,22 @@ def fill(path: Path, **parts: str) -> str:
     for name, part in parts.items():
         text = text.replace(f"<!-- {name} -->", part)
     return text
+
+
+def read_rows(path: Path, kinds: Sequence[Callable[[str], object]]) -> list[list[object]]:
+    """Read the rows of a stored table, each column by its kind."""
+    with path.open(encoding="utf-8", newline="") as stream:
+        _, *rows = csv.reader(stream)
+    return [[kind(x) for kind, x in zip(kinds, row, strict=True)] for row in rows]
+
+
+def write_rows(path: Path, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Store rows, numbers to three digits."""
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(heads)
+        for row in rows:
+            writer.writerow([f"{x:.3g}" if isinstance(x, float) else x for x in row])
 
 
 def least(calls: dict[str, Callable[[], float]], rounds: int = 5) -> dict[str, float]:
