@@ -1,9 +1,8 @@
 !> Frames with the smooth hysteresis of Bouc and Wen: closed forms, limits, energy.
 program test_bouc_wen
    use check, only: checks_t
-   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_input_reader, only: read_case_text
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, virgin_displacement
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_simulate, only: simulate
@@ -24,7 +23,6 @@ program test_bouc_wen
    if (checks%wants('passage_at_impact')) call check_passage_at_impact()
    if (checks%wants('standstill')) call check_standstill()
    if (checks%wants('elastic_limit')) call check_elastic_limit()
-   if (checks%wants('refusals')) call check_refusals()
    call checks%finish()
 
 contains
@@ -305,25 +303,5 @@ contains
       call simulate(case, elastic, error)
       call checks%close_to(result%u_s_max, elastic%u_s_max, 'elastic limit', rtol=1.0e-9_wp)
    end subroutine check_elastic_limit
-
-   !> Check that incompatible inputs are refused.
-   subroutine check_refusals()
-      character(*), parameter :: scene = '&wall h = 3, b = 1 / &solver t_end = 1 / ' &
-         //'&frame T_s = 1, gamma = 5, xi_s = 0 /'
-
-      call refuse(scene//'&yielding u_y = 0.1, exponent = 3 /', "belongs to law = 'bouc_wen'")
-      call refuse(scene//'&yielding u_y = 0.1, law = ''bouc_wen'', beta = 0.2 /', &
-         'must be a number in [0.5, 1]')
-   end subroutine check_refusals
-
-   subroutine refuse(text, message)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: message
-      type(case_t) :: case
-      type(error_t), allocatable :: error
-
-      call read_case_text(text, '', case, error)
-      call checks%has_error(error, err_input, message, message)
-   end subroutine refuse
 
 end program test_bouc_wen

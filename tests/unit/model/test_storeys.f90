@@ -1,7 +1,7 @@
 !> Frames of several storeys, closed forms of their modes, and both couplings with the wall.
 program test_storeys
    use check, only: checks_t
-   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
       query_forces, query_state, stepping_t, wall_forces_t, wall_state_t
@@ -13,7 +13,6 @@ program test_storeys
       roof_factor, shear_frame_t
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: event_lift_off, result_t
-   use rwmf_text_strings, only: real_to_text
    use scenes, only: rwmf_scene
    implicit none
 
@@ -28,7 +27,6 @@ program test_storeys
    if (checks%wants('roof_takes_the_impact')) call check_roof_takes_the_impact()
    if (checks%wants('storeys_of_a_line')) call check_storeys_of_a_line()
    if (checks%wants('pushed_storeys')) call check_pushed_storeys()
-   if (checks%wants('refusals')) call check_refusals()
    call checks%finish()
 
 contains
@@ -311,55 +309,5 @@ contains
       call checks%close_to(result%storey_ductility(1), d(1)/u_y(1), 'lower storey', rtol=1.0e-4_wp)
       call checks%close_to(result%storey_ductility(2), d(2)/u_y(2), 'upper storey', rtol=1.0e-4_wp)
    end subroutine check_pushed_storeys
-
-   !> Check that incompatible inputs are refused.
-   subroutine check_refusals()
-      character(*), parameter :: wall = '&wall h = 3, b = 1 / &solver t_end = 1 /'
-      character(*), parameter :: two = '&storeys m_over_m_w = 2 2, k_over_m_w = 300 300'
-
-      call refuse(wall//two//', height = 3 3 /', &
-         '&storeys (line 1): must not be given without &frame')
-      call refuse(wall//'&frame xi_s = 0, T_s = 1 /'//two//', height = 3 3 /', &
-         'T_s = 1 (line 1): must not be given with &storeys')
-      call refuse(wall//'&frame xi_s = 0, gamma = 1 /'//two//', height = 3 3 /', &
-         'gamma = 1 (line 1): must not be given with &storeys')
-      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 /', 'has 1 values')
-      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 2 /', 'their sum is 5')
-      call refuse(wall//'&frame xi_s = 0 / &spectrum T_s = 1, gamma = 2 0 /'//two &
-         //', height = 3 3 /', 'gamma = 2, 0 (line 1): must be > 0 with &storeys')
-      call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'u_y = 0.01 (line 1): must not be given where')
-      call refuse(wall//'&frame xi_s = 0 / &yielding /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'the key storey_u_y is missing')
-      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 0.02 0.03 /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'storey_u_y = 0.01, 0.02, 0.03 (line 1): has ' &
-         //'3 values, must have one for all storeys or one for each of the 2')
-      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 /'//two &
-         //', height = 3 3 /', 'storey_u_y = 0.01 (line 1): must not be given without &storeys')
-      call refuse(wall//'&frame xi_s = 0, T_s = 1, gamma = 2 / &yielding storey_u_y = 0.01 /', &
-         'storey_u_y = 0.01 (line 1): must not be given without &storeys')
-      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01, u_y = 0.1 /'//two &
-         //', height = 3 3, coupling = ''every_floor'' /', 'u_y = 0.1 (line 1): must not be given')
-      call refuse(wall//'&frame xi_s = 0 / &initial theta_over_alpha = 0.1 / &yielding ' &
-         //'storey_u_y = 0.01, law = ''bouc_wen'' /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'must be 0 with &yielding law = ' &
-         //'''bouc_wen'' and &storeys coupling = ''full''')
-      call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
-         //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
-      call refuse(wall//'&frame xi_s = 0 / &storeys m_over_m_w = 2 2, k_over_m_w = 300 1e13, ' &
-         //'height = 3 3 /', 'a floor is too stiff: the period 2 pi sqrt(mass/stiffness) is ' &
-         //trim(real_to_text(2*pi/sqrt((1.0e13_wp + 300)/2))))
-      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 -3 /', 'must be numbers > 0')
-   end subroutine check_refusals
-
-   subroutine refuse(text, message)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: message
-      type(case_t) :: case
-      type(error_t), allocatable :: error
-
-      call read_case_text(text, '', case, error)
-      call checks%has_error(error, err_input, message, message)
-   end subroutine refuse
 
 end program test_storeys
