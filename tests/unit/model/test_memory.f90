@@ -1,7 +1,6 @@
 !> Springs with memory, one by one along random paths and as part of a scene.
 program test_memory
    use check, only: checks_t
-   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_bilinear_spring, only: is_broken
    use rwmf_model_hysteresis_spring_laws, only: new_spring, pass_limit, spring_energy, &
@@ -11,8 +10,6 @@ program test_memory
       second_derivative
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, devices_t
-   use rwmf_simulation_simulate, only: simulate
-   use rwmf_simulation_state_result, only: result_t
    use scenes, only: rwmf_scene
    implicit none
 
@@ -22,10 +19,8 @@ program test_memory
 
    call check_way(new_spring(k, yield, 0.0_wp), 0.0_wp, 'elastic, perfectly plastic')
    call check_way(new_spring(k, yield, 0.1_wp), 0.1_wp, 'hardening')
-   if (checks%wants('tendon')) call check_tendon()
    if (checks%wants('rupture')) call check_rupture()
    if (checks%wants('fuse_moment')) call check_fuse_moment()
-   if (checks%wants('initial_beyond_yield')) call check_initial_beyond_yield()
    call checks%finish()
 
 contains
@@ -105,38 +100,6 @@ contains
       call checks%close_to(worst_balance, 0.0_wp, 'energy, '//name, atol=1.0e-11_wp)
    end subroutine check_way
 
-   !> Check that a tendon keeps its prestress loss, goes slack and is taut again at the same
-   !> elongation.
-   subroutine check_tendon()
-      type(spring_t) :: tendon
-      type(branch_t) :: branch
-      real(wp), parameter :: force_0 = 0.4_wp
-      real(wp), parameter :: x_max = 0.5_wp
-      real(wp) :: dissipated
-      real(wp) :: plastic
-      real(wp) :: limits(2)
-
-      tendon = new_spring(k, yield, 0.0_wp, force_0, is_tendon=.true.)
-      dissipated = 0
-      call move(tendon, branch, 0.0_wp, x_max, dissipated)
-      plastic = x_max - (yield - force_0)/k
-      call checks%close_to(dissipated, yield*plastic, 'tendon, dissipation', rtol=1.0e-14_wp)
-      call move(tendon, branch, x_max, 0.31_wp, dissipated)
-      call checks%close_to(spring_force(tendon, branch, 0.31_wp), force_0 + k*(0.31_wp - plastic), &
-         'tendon, unloading', rtol=1.0e-13_wp)
-      call move(tendon, branch, 0.31_wp, 0.0_wp, dissipated)
-      call checks%close_to(spring_force(tendon, branch, 0.0_wp), 0.0_wp, 'tendon, slack')
-      call checks%close_to(spring_energy(tendon, branch, 0.0_wp), -force_0**2/(2*k), &
-         'tendon, what the prestress had stored', rtol=1.0e-14_wp)
-      call spring_limits(tendon, branch, limits(1), limits(2))
-      call checks%close_to(limits(2), plastic - force_0/k, 'tendon, taut again', rtol=1.0e-13_wp)
-      call move(tendon, branch, 0.0_wp, 0.45_wp, dissipated)
-      call checks%close_to(spring_force(tendon, branch, 0.45_wp), force_0 + k*(0.45_wp - plastic), &
-         'tendon, loading again', rtol=1.0e-13_wp)
-      call checks%close_to(dissipated, yield*plastic, 'tendon, no more dissipation', &
-         rtol=1.0e-14_wp)
-   end subroutine check_tendon
-
    !> Check that a broken tendon carries no force and that its stored energy is dissipated.
    subroutine check_rupture()
       type(spring_t) :: tendon
@@ -185,45 +148,5 @@ contains
             -side*force*2*case%wall%b*cos(phi/2)/mass, 'moment of a fuse', rtol=1.0e-10_wp)
       end do
    end subroutine check_fuse_moment
-
-   !> Check a release from a rotation beyond yield, where the springs unload at once. The ledger
-   !> closes, and no energy is dissipated before the first yield in the opposite direction.
-   subroutine check_initial_beyond_yield()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      integer :: side
-
-      do side = -1, 1, 2
-         case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-         deallocate (case%motion)
-         case%cable%eta_y = [1.4_wp]
-         allocate (case%initial)
-         case%initial%theta_over_alpha = 0.25_wp*side
-         case%initial%theta_dot = 0
-         allocate (case%output)
-         case%output%energy = .true.
-         case%frame%xi_s = 0
-         case%solver%t_end = 0.3_wp
-         call simulate(case, result, error)
-         call checks%no_error(error, 'initial rotation beyond yield')
-         ! eta_alpha = 5: the elastic force at alpha/4 would be 2.
-         call checks%close_to(result%prestress_loss, 2 - 1.4_wp, &
-            'loss at an initial rotation beyond yield', rtol=1.0e-12_wp)
-         call checks%close_to(result%energy%viscous, 0.0_wp, 'unloading is elastic')
-         call close_ledger(result, 'initial rotation beyond yield')
-      end do
-   end subroutine check_initial_beyond_yield
-
-   subroutine close_ledger(result, name)
-      type(result_t), intent(in) :: result
-      character(*), intent(in) :: name
-
-      associate (ledger => result%energy)
-         call checks%close_to(ledger%final + ledger%viscous + ledger%impact + ledger%hysteretic, &
-            ledger%initial + ledger%input, 'energy, '//name, &
-            atol=2.0e-8_wp*(ledger%input_max + abs(ledger%initial)))
-      end associate
-   end subroutine close_ledger
 
 end program test_memory
