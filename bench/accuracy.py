@@ -7,15 +7,17 @@ from __future__ import annotations
 
 import math
 import platform
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import rwmf
+from common import ROOT, fill, table
 from rwmf._cost import METHODS, PAPER, PRACTICES, Cost, Row, cheapest
 from rwmf.plotting import image_files as figures
 from rwmf.plotting import result_figures as plot_cost
 from rwmf.plotting.style import legend_below, new_figure
 
-ROOT = Path(__file__).resolve().parent.parent
 # namelist in inputs/ without suffix, description
 CASES = {
     "fig05_stiff_frame_one_sine": "one-sine, γ = 1800, T_s = 0.4 s",
@@ -47,14 +49,14 @@ def main() -> None:
     parts = {
         "machine": _machine(),
         "settings": _settings_table(found, sensitivity),
-        "practices": _practice_table(found),
-        "digits": _digit_table(found),
-        "floors": _floor_table(found),
+        "practices": table(
+            ["case", "`paper`, 1e-3", *(label for label, _, _ in PRACTICES), "`dop853`, 1e-9"],
+            _rows(found, _practices),
+        ),
+        "digits": _by_method(found, _digit),
+        "floors": _by_method(found, _floor),
     }
-    text = TEXT.read_text(encoding="utf-8")
-    for key, part in parts.items():
-        text = text.replace(f"<!-- {key} -->", part)
-    (ROOT / "docs" / "validation" / "accuracy.md").write_text(text, encoding="utf-8")
+    (ROOT / "docs" / "validation" / "accuracy.md").write_text(fill(TEXT, **parts), encoding="utf-8")
 
 
 def _sensitivity(case: rwmf.Case) -> float:
@@ -65,11 +67,10 @@ def _sensitivity(case: rwmf.Case) -> float:
 
 def _machine() -> str:
     """Name of the processor, as far as the system tells."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    path = Path("/proc/cpuinfo")
+    names = re.findall(
+        r"model name\s*: (.*)", path.read_text(encoding="utf-8") if path.exists() else ""
+    )
     return names[0] if names else platform.machine()
 
 
@@ -88,15 +89,23 @@ def _draw(found: dict[str, Cost], names: tuple[str, ...], columns: int, path: Pa
         figures.save(figure, path)
 
 
+def _rows(found: dict[str, Cost], cells: Callable[[Cost], list[str]]) -> list[list[str]]:
+    """Return the rows of a table: a case, and cells from its cost."""
+    return [[CASES[name], *cells(cost)] for name, cost in found.items()]
+
+
 def _settings_table(found: dict[str, Cost], sensitivity: dict[str, float]) -> str:
     """Cheapest setting for each target."""
     heads = ["case", "κ", "error of the reference", *(f"for {target:.0e}" for target in TARGETS)]
-    lines = [_line(heads), _line(["---"] * len(heads))]
-    for name, cost in found.items():
-        cells = [_setting(cheapest(cost.rows, target)) for target in TARGETS]
-        error = f"{cost.reference['relative_error']:.0e}"
-        lines.append(_line([CASES[name], f"{sensitivity[name]:.2g}", error, *cells]))
-    return "\n".join(lines)
+    rows = _rows(
+        found,
+        lambda cost: [
+            f"{cost.reference['relative_error']:.0e}",
+            *(_setting(cheapest(cost.rows, target)) for target in TARGETS),
+        ],
+    )
+    kappas = (f"{value:.2g}" for value in sensitivity.values())
+    return table(heads, ([row[0], x, *row[1:]] for row, x in zip(rows, kappas, strict=True)))
 
 
 def _setting(row: Row | None) -> str:
@@ -109,18 +118,14 @@ def _milliseconds(row: Row) -> str:
     return f"{1e3 * row.seconds:.2g} ms"
 
 
-def _practice_table(found: dict[str, Cost]) -> str:
+def _practices(cost: Cost) -> list[str]:
     """Error and time of common procedures beside one of ours."""
-    heads = ["case", "`paper`, 1e-3", *(label for label, _, _ in PRACTICES), "`dop853`, 1e-9"]
-    lines = [_line(heads), _line(["---"] * len(heads))]
-    for name, cost in found.items():
-        loose, tight = (
-            [row for row in cost.rows if row.method == method and 0.5 < row.rtol / rtol < 2]
-            for method, rtol in ((PAPER, 1e-3), ("dop853", 1e-9))
-        )
-        cells = [_error(row, cost) for row in [*loose, *cost.practices, *tight]]
-        lines.append(_line([CASES[name], *([] if loose else ["-"]), *cells]))
-    return "\n".join(lines)
+    loose, tight = (
+        [row for row in cost.rows if row.method == method and 0.5 < row.rtol / rtol < 2]
+        for method, rtol in ((PAPER, 1e-3), ("dop853", 1e-9))
+    )
+    cells = [_error(row, cost) for row in [*loose, *cost.practices, *tight]]
+    return [*([] if loose else ["-"]), *cells]
 
 
 def _error(row: Row, cost: Cost) -> str:
@@ -133,36 +138,26 @@ def _error(row: Row, cost: Cost) -> str:
     return f"{size}, {_milliseconds(row)}"
 
 
-def _digit_table(found: dict[str, Cost]) -> str:
+def _digit(rows: list[Row]) -> str:
     """Factor on the time for another digit: tolerance 1e-4 against 1e-10."""
-    heads = ["case", *(f"`{method}`" for method in METHODS)]
-    lines = [_line(heads), _line(["---"] * len(heads))]
-    for name, cost in found.items():
-        lines.append(_line([CASES[name], *(_digit(cost, method) for method in METHODS)]))
-    return "\n".join(lines)
-
-
-def _digit(cost: Cost, method: str) -> str:
-    rows = [row for row in cost.rows if row.method == method and row.status == "ok"]
-    loose, tight = (min(rows, key=lambda row: abs(row.rtol - rtol)) for rtol in (1e-4, 1e-10))
+    fine = [row for row in rows if row.status == "ok"]
+    loose, tight = (min(fine, key=lambda row: abs(row.rtol - rtol)) for rtol in (1e-4, 1e-10))
     return f"{(tight.seconds / loose.seconds) ** (1 / 6):.2f}"
 
 
-def _floor_table(found: dict[str, Cost]) -> str:
+def _floor(rows: list[Row]) -> str:
     """Smallest error that a method reaches."""
-    heads = ["case", *(f"`{method}`" for method in METHODS)]
-    lines = [_line(heads), _line(["---"] * len(heads))]
-    for name, cost in found.items():
-        cells = []
-        for method in METHODS:
-            errors = [row.relative_error for row in cost.rows if row.method == method]
-            cells.append(f"{min(errors):.0e}")
-        lines.append(_line([CASES[name], *cells]))
-    return "\n".join(lines)
+    return f"{min(row.relative_error for row in rows):.0e}"
 
 
-def _line(cells: list[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
+def _by_method(found: dict[str, Cost], cell: Callable[[list[Row]], str]) -> str:
+    """Return a table with a column for each method."""
+    rows = _rows(
+        found,
+        lambda cost: [cell([row for row in cost.rows if row.method == method])
+                      for method in METHODS],
+    )  # fmt: skip
+    return table(["case", *(f"`{method}`" for method in METHODS)], rows)
 
 
 if __name__ == "__main__":

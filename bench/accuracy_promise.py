@@ -17,13 +17,10 @@ from pathlib import Path
 
 import numpy as np
 import rwmf
+from common import table
+from random_cases import random_cases, with_storeys
 from rwmf import records
 from rwmf._sweep.intensity import find_quantities
-
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests" / "support"))
-
-from random_cases import random_cases, with_storeys  # noqa: E402
 
 ASKED = (1e-3, 1e-5, 1e-7, 1e-9)
 TRUSTED = 1e-11
@@ -50,6 +47,20 @@ def _search(case: rwmf.Case, quantity: str, trusted: float) -> list[tuple[float,
             peak, attrs = _run(case, quantity, method=method, rtol=float(rtol))
             found.append((abs(peak - trusted) / trusted, float(attrs["seconds"])))
     return found
+
+
+def _cells(accuracy: float, found: list[tuple[float, float, float]]) -> list[str]:
+    error, estimate, cost = np.array(found).T
+    # below this both numbers are round-off
+    judged = (estimate > 1e-12) & (error > 1e-12)
+    ratio = estimate[judged] / error[judged]
+    return [
+        f"{accuracy:g}",
+        f"{np.mean(error <= accuracy):.1%}",
+        f"{np.max(error) / accuracy:.2g}",
+        f"{np.mean((ratio >= 0.1) & (ratio <= 10)):.1%} of {judged.sum()}",
+        f"{np.nanmedian(cost):.2f}",
+    ]
 
 
 def main(n: int = 240, seed: int = 1, quantity: str = "u_s_max_m", storeys: int = 0) -> None:
@@ -83,20 +94,9 @@ def main(n: int = 240, seed: int = 1, quantity: str = "u_s_max_m", storeys: int 
     print(f"rwmf {rwmf.__version__}, {quantity}, {n} scenes of {frames}, seed {seed}; {skipped}")
     print("left out, in which nothing happens or the trusted methods differ by more than", end=" ")
     print(f"{TRUSTED:g}.\n")
-    print(
-        "| accuracy | kept in | largest error / accuracy | estimate within a factor of 10 | cost |"
-    )
-    print("|---|---|---|---|---|")
-    for accuracy, found in rows.items():
-        error, estimate, cost = np.array(found).T
-        # below this both numbers are round-off
-        judged = (estimate > 1e-12) & (error > 1e-12)
-        ratio = estimate[judged] / error[judged]
-        print(
-            f"| {accuracy:g} | {np.mean(error <= accuracy):.1%} | {np.max(error) / accuracy:.2g} "
-            f"| {np.mean((ratio >= 0.1) & (ratio <= 10)):.1%} of {judged.sum()} "
-            f"| {np.nanmedian(cost):.2f} |"
-        )
+    heads = ("accuracy", "kept in", "largest error / accuracy",
+             "estimate within a factor of 10", "cost")  # fmt: skip
+    print(table(heads, [_cells(accuracy, found) for accuracy, found in rows.items()]))
     print("\nCost: median time, estimate included, over that of the cheapest setting (search).")
 
 

@@ -1,18 +1,29 @@
-"""The page docs/validation/bending.md: OpenSees beside rwmf for bending walls."""
+"""The page docs/validation/bending.md: OpenSees beside rwmf for bending walls.
+
+``python bench/bent_wall_page.py`` writes it from the peaks of ``validation/opensees`` and from runs
+of rwmf.
+"""
 
 from __future__ import annotations
 
+import csv
 import math
-from collections.abc import Iterable
 from concurrent.futures import Future, ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import rwmf
-from opensees_bent_wall import LINK, MODULUS, MOTIONS, NU, OWN, XI
+from common import ROOT, fill, table
 
 Peaks = dict[str, float]
-CASE = Path(__file__).resolve().parents[1] / "validation" / "six_storeys_wall.nml"
+CASE = ROOT / "validation" / "six_storeys_wall.nml"
+PEAKS = ROOT / "validation" / "opensees" / "bent_wall_peaks.csv"
+# concrete: modulus [Pa], damping ratio of the wall, Poisson's ratio; stiffness of a link [N/m]
+MODULUS, XI, NU, LINK = 30e9, 0.02, 0.2, 5e8
+# end of the computation [s]
+MOTIONS = {"elcentro": 6.0, "pulse": 3.0}
+# variants of El Centro whose beams have the axial stiffness of the section, as a real wall has
+OWN = ("bent", "springs", "shear", "shear_springs")
 # key of the peaks, unit, factor to it
 ROWS = {
     "storey_1_drift": ("drift of storey 1", "%", 100.0),
@@ -50,13 +61,14 @@ MOTION_NAMES = {"elcentro": "El Centro times two", "pulse": "a sine of 0.6 g and
 TEXT = Path(__file__).parent / "bent_wall_text.md"
 
 
-def page(peaks: dict[str, Peaks]) -> str:
-    """Write the page."""
-    with ProcessPoolExecutor() as pool:
-        return _page(peaks, pool)
+def read_peaks() -> dict[str, Peaks]:
+    """Return the stored peaks by variant and name."""
+    with PEAKS.open(encoding="utf-8", newline="") as stream:
+        head, *rows = csv.reader(stream)
+    return {name: {row[0]: float(row[i]) for row in rows} for i, name in enumerate(head) if i > 0}
 
 
-def _page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
+def page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
     """Write the page; all runs of rwmf start before the first result is used."""
 
     def start(*words: object, **options: object) -> Future[Peaks]:
@@ -86,52 +98,44 @@ def _page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
     parts = []
     for motion, words in MOTION_NAMES.items():
         parts.append(f"## {words[0].upper()}{words[1:]}\n")
-        parts += [f"### {title}\n\n{table(known[motion, x])}\n" for x, title in TITLES.items()]
-    text = TEXT.read_text(encoding="utf-8")
-    text = text.replace("TABLES\n", "\n".join(parts) + "\n").replace("TARGETS", targets(known))
-    text = text.replace("OWN_STIFFNESS", own_stiffness(known, peaks))
-    return text.replace("CHANGED", table(_results(changed)))
+        parts += [f"### {title}\n\n{demands(known[motion, x])}\n" for x, title in TITLES.items()]
+    return fill(
+        TEXT,
+        tables="\n".join(parts),
+        targets=targets(known),
+        own_stiffness=own_stiffness(known, peaks),
+        changed=demands(_results(changed)),
+    )
 
 
 def _results(columns: dict[str, Any]) -> dict[str, Peaks]:
     return {k: v.result() if isinstance(v, Future) else v for k, v in columns.items()}
 
 
-def table(columns: dict[str, Peaks]) -> str:
+def demands(columns: dict[str, Peaks]) -> str:
     """Return rows of demands; differences from the last column where that is OpenSees."""
     names = list(columns)
     compared = [f"{n} modes" for n in (3, MODES[-1])] if names[-1] == "OpenSees" else []
-    heads = ["peak", "unit", *names, *(f"diff. {name[0]}" for name in compared)]
-    lines = [_row(heads), _row(["---"] * len(heads))]
+    rows = []
     for key, (label, unit, factor) in ROWS.items():
         cells = [label, unit, *(f"{columns[name][key] * factor:.4g}" for name in names)]
-        cells += [f"{difference(columns, name, key):+.1f} %" for name in compared]
-        lines.append(_row(cells))
-    return "\n".join(lines)
+        rows.append([*cells, *(f"{difference(columns, name, key):+.1f} %" for name in compared)])
+    return table(["peak", "unit", *names, *(f"diff. {name[0]}" for name in compared)], rows)
 
 
 def targets(known: dict[tuple[str, str], dict[str, Peaks]]) -> str:
     """Return the largest differences from OpenSees beside their targets."""
-    lines = [_row(["case", "modes", *TARGETS]), _row(["---"] * (2 + len(TARGETS)))]
-    lines.append(
-        _row(
-            [
-                "target",
-                "",
-                *("-" if limit == math.inf else f"{limit:g} %" for limit, _ in TARGETS.values()),
-            ]
-        )
-    )
+    limits = ["-" if limit == math.inf else f"{limit:g} %" for limit, _ in TARGETS.values()]
+    rows = [["target", "", *limits]]
     for (motion, variant), columns in known.items():
         for n in (3, MODES[-1]):
             cells = []
             for limit, keys in TARGETS.values():
                 largest = max(abs(difference(columns, f"{n} modes", key)) for key in keys)
                 cells.append(f"{largest:.1f} %" + ("" if largest <= limit else ", missed"))
-            title = TITLES[variant][0].lower() + TITLES[variant][1:]
             name = {"elcentro": "El Centro", "pulse": "sine"}[motion]
-            lines.append(_row([f"{name}, {title}", str(n), *cells]))
-    return "\n".join(lines)
+            rows.append([f"{name}, {_small(TITLES[variant])}", str(n), *cells])
+    return table(["case", "modes", *TARGETS], rows)
 
 
 def own_stiffness(known: dict[tuple[str, str], dict[str, Peaks]], peaks: dict[str, Peaks]) -> str:
@@ -139,26 +143,24 @@ def own_stiffness(known: dict[tuple[str, str], dict[str, Peaks]], peaks: dict[st
 
     For each variant: the change from the stiff wall, and rwmf with three modes over the own one.
     """
-    titles = [TITLES[x][0].lower() + TITLES[x][1:] for x in OWN]
-    heads = ["peak", *(head for title in titles for head in (title, "diff. 3"))]
-    lines = [_row(heads), _row(["---"] * len(heads))]
+    rows = []
     for key, (label, _, _) in ROWS.items():
         cells = [label]
         for variant in OWN:
             own, columns = peaks[f"own_{variant}"], known["elcentro", variant]
             cells.append(f"{100 * (own[key] / columns['OpenSees'][key] - 1):+.0f} %")
             cells.append(f"{100 * (columns['3 modes'][key] / own[key] - 1):+.0f} %")
-        lines.append(_row(cells))
-    return "\n".join(lines)
+        rows.append(cells)
+    return table(["peak", *(x for y in OWN for x in (_small(TITLES[y]), "diff. 3"))], rows)
+
+
+def _small(title: str) -> str:
+    return title[0].lower() + title[1:]
 
 
 def difference(columns: dict[str, Peaks], name: str, key: str) -> float:
     """Return the difference of a column from OpenSees [%]."""
     return 100 * (columns[name][key] / columns["OpenSees"][key] - 1)
-
-
-def _row(cells: Iterable[str]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def ours(
@@ -189,3 +191,9 @@ def ours(
     ):
         found |= {name.format(i): float(x) for i, x in enumerate(run[key].values, start=1)}
     return found
+
+
+if __name__ == "__main__":
+    with ProcessPoolExecutor() as pool:
+        made = page(read_peaks(), pool)
+    (ROOT / "docs" / "validation" / "bending.md").write_text(made, encoding="utf-8")

@@ -14,46 +14,16 @@ import csv
 import sys
 import tempfile
 import time
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
+from common import ROOT, fill, table
 
-import collection  # noqa: E402
-from hard_scenes import METHODS  # noqa: E402
+import collection  # isort: skip
+from hard_scenes import METHODS  # isort: skip
 
 TARGET = ROOT / "docs" / "validation" / "hard-cases.csv"
-COLUMNS = (
-    "family", "case", "peak", "overturned", "kappa", "method", "rtol", "error", "bound", "end",
-    "impacts", "lift_offs", "steps", "verdict",
-)  # fmt: skip
-_HEAD = r"""# Hard cases
-
-For users who must trust the integrators in extreme cases: this page compares every method with
-quadruple precision, over chatter, grazing, lift-off, overturning, springs with memory and pulses.
-`bench/hard_cases.py` makes it from the rows of [hard-cases.csv](hard-cases.csv), and
-`tests/robustness` tests every row.
-
-The **reference** is the same problem in quadruple precision (Taylor series, rtol
-1e-19); a run at rtol 1e-16 differs from it by less than 1e-13 of the peak unless the problem
-amplifies errors. The sensitivity $\kappa$ is the relative change of the peak per relative change of
-the motion. The **bound** of the error is max(1e-7, 100 rtol $\kappa$). A row is *right* within its
-bound, with the final rotation within 1000 rtol times its own sensitivity. It is *refused* if the
-method reported the failure, and *WRONG* otherwise.
-
-| column | meaning |
-|---|---|
-| family, case | names in the tests |
-| peak | largest $\lvert u_s\rvert$ in m, without a frame $\lvert\theta\rvert$ in rad |
-| overturned | whether the wall overturns |
-| kappa | relative change of the peak per relative change of the motion |
-| method, rtol | settings of the run |
-| error | relative error of the peak; 0 also for differences below 1e-12 m |
-| bound | allowed error |
-| end | error of the final rotation over the largest rotation |
-| impacts, lift_offs, steps | of the run; in chatter before rest they depend on method and rtol |
-| verdict | right, refused or WRONG |
-"""
+TEXT = Path(__file__).with_name("hard_cases_text.md")
 
 
 def main() -> int:
@@ -83,15 +53,15 @@ def _answers(folder: Path) -> list[collection.Answer]:
 
 def _write_table(folder: Path) -> int:
     answers = collection.read_answers()
-    rows = []
-    for family, cases in collection.FAMILIES.items():
-        for hard in cases:
-            truth = answers[family, hard.name]
-            for method in METHODS:
-                row = collection.evaluate(hard, truth, method, folder)
-                rows.append(_values(family, hard.name, truth, row))
+    rows = [
+        _values(family, hard.name, truth, collection.evaluate(hard, truth, method, folder))
+        for family, cases in collection.FAMILIES.items()
+        for hard in cases
+        for truth in [answers[family, hard.name]]
+        for method in METHODS
+    ]
     with TARGET.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
     page = TARGET.with_suffix(".md")
@@ -131,61 +101,41 @@ def read_rows() -> list[dict[str, str]]:
 def make_page() -> str:
     """Make the page that summarises the rows."""
     rows = read_rows()
-    families = {
-        family: [r for r in rows if r["family"] == family] for family in collection.FAMILIES
-    }
-    by_method = {method: [r for r in rows if r["method"] == method] for method in METHODS}
+    heads = ("rows", "right", "refused", "largest error/bound", "in", "below 1e-9", "steps")
+
+    def summary(key: str, names: Iterable[str], form: str = "{}") -> str:
+        parts = {name: [row for row in rows if row[key] == name] for name in names}
+        lines = ([form.format(name), *_share_of(part)] for name, part in parts.items())
+        return table([key, *heads], lines)
+
     wrong = sum(row["verdict"] == "WRONG" for row in rows)
-    lines = [
-        _HEAD,
-        "## Results",
-        "",
-        f"{len(rows)} rows, {wrong} wrong.",
-        "",
-        "Methods, over all cases: largest error as a share of its bound, rows with an error below "
-        "1e-9, and all steps:",
-        "",
-        "| method | rows | right | refused | largest error/bound | in | below 1e-9 | steps |",
-        "|---|---|---|---|---|---|---|---|",
-        *(f"| `{method}` | {_share_of(rows_of)} |" for method, rows_of in by_method.items()),
-        "",
-        "Families of cases, over all methods:",
-        "",
-        "| family | rows | right | refused | largest error/bound | in | below 1e-9 | steps |",
-        "|---|---|---|---|---|---|---|---|",
-        *(f"| {family} | {_share_of(rows_of)} |" for family, rows_of in families.items()),
-        "",
-        "The most sensitive cases. Here an accurate integrator does not give an accurate answer:",
-        "",
-        "| case | kappa | largest error | bound |",
-        "|---|---|---|---|",
-        *_most_sensitive(rows),
-    ]
-    return "\n".join(lines) + "\n"
+    return fill(
+        TEXT,
+        count=f"{len(rows)} rows, {wrong} wrong.",
+        methods=summary("method", METHODS, "`{}`"),
+        families=summary("family", collection.FAMILIES),
+        sensitive=table(["case", "kappa", "largest error", "bound"], _most_sensitive(rows)),
+    )
 
 
-def _share_of(rows: list[dict[str, str]]) -> str:
+def _share_of(rows: list[dict[str, str]]) -> list[object]:
     worst = max(rows, key=_share)
     counts = (sum(row["verdict"] == verdict for row in rows) for verdict in ("right", "refused"))
     fine = sum(float(row["error"]) < 1e-9 for row in rows)
-    cells = (len(rows), *counts, f"{_share(worst):.1g}", worst["case"], fine)
-    return " | ".join(map(str, (*cells, sum(int(row["steps"]) for row in rows))))
+    steps = sum(int(row["steps"]) for row in rows)
+    return [len(rows), *counts, f"{_share(worst):.1g}", worst["case"], fine, steps]
 
 
 def _share(row: dict[str, str]) -> float:
     return float(row["error"]) / float(row["bound"])
 
 
-def _most_sensitive(rows: list[dict[str, str]]) -> list[str]:
-    cases: dict[str, list[dict[str, str]]] = {}
-    for row in rows:
-        cases.setdefault(row["case"], []).append(row)
-    ranked = sorted(cases.items(), key=lambda item: -float(item[1][0]["kappa"]))[:10]
-    return [
-        f"| {name} | {same[0]['kappa']} | {max(float(row['error']) for row in same):.0e} "
-        f"| {max(float(row['bound']) for row in same):.0e} |"
-        for name, same in ranked
-    ]
+def _most_sensitive(rows: list[dict[str, str]]) -> Iterator[list[str]]:
+    kappas = {row["case"]: row["kappa"] for row in rows}
+    for name in sorted(kappas, key=lambda name: -float(kappas[name]))[:10]:
+        same = [row for row in rows if row["case"] == name]
+        largest = (max(float(row[key]) for row in same) for key in ("error", "bound"))
+        yield [name, kappas[name], *(f"{x:.0e}" for x in largest)]
 
 
 if __name__ == "__main__":

@@ -1,43 +1,44 @@
 """The validation cases in OpenSees, the program that earthquake engineers use.
 
 ``python bench/opensees_cases.py [CASE ...]`` reads ``validation/CASE.nml`` and writes
-``validation/opensees/CASE.csv``. Needs the environment variable RWMF_OPENSEES, a Python that has
-``openseespy`` from PyPI; it may be this one.
+``validation/opensees/CASE.csv``. Needs ``pip install '.[opensees]'``.
 
-The wall is a frame of stiff corotational beams on corners without tension. The cable is a
-corotational truss with an initial stress, the frame a mass on a spring. OpenSees gets neither the
-kinematics of
-rocking nor a restitution. The frame of six storeys has springs of Steel01 for the storeys, leaning
-columns of corotational trusses, and modal damping.
+OpenSees gets neither the kinematics of rocking nor a restitution. The wall is a frame of stiff
+corotational beams with its mass in the middle. Each corner of its base is in a groove of two
+springs without tension (ENT) at right angles. They release the corner at lift-off and hold it in
+place under compression. The groove is on a pad of spring and dashpot, which absorbs the impact. The
+corner can leave the pad, so that the dashpot never pulls. The cable is a corotational truss with an
+initial stress, the moment frame a mass on a spring.
+
+The frame of six storeys has a `twoNodeLink` of Steel01 or of an elastic spring for the shear of
+each storey. Beside it a stiff `corotTruss` is the leaning column that carries the weight above,
+whose geometry gives P-Delta. Damping is modal, of the modes without gravity.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
-import os
-import subprocess
-import sys
-import tempfile
-import time
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
+import openseespy.opensees as ops
 import rwmf
+from engines import Array, cable_of, case_of, frame_of, pulse_of, slip, store_cases
 from reproduce.engines import write
 from reproduce.six_storeys import CASES as FRAMES
 from reproduce.six_storeys import COLUMNS, FULL, VARIANTS, variant, write_peaks
 
-Array = npt.NDArray[np.float64]
-
-HERE = Path(__file__).resolve().parent / "opensees"
-ROOT = HERE.parents[1]
 WALLS = ("free", "block", "g5", "g1800", "disc")
 AVERAGE_ACCELERATION = ("Newmark", 0.5, 0.25)
+# nodes: base, corners, centroid, top, corner of the link; fixed nodes; pads; frame
+BASE, LEFT, RIGHT, CENTROID, TOP, LINKED = 1, 2, 3, 4, 5, 6
+GROUND, GROUND_LEFT, GROUND_RIGHT, PAD_LEFT, PAD_RIGHT = 11, 12, 13, 22, 23
+FRAME, FRAME_BASE = 7, 17
+# materials
+NO_TENSION, PAD, CABLE, STRESSED, SPRING, LINK, COLUMN = 1, 2, 3, 4, 5, 6, 100
+SIDES = ((LEFT, PAD_LEFT, GROUND_LEFT), (RIGHT, PAD_RIGHT, GROUND_RIGHT))
 
 
 @dataclass(frozen=True)
@@ -46,11 +47,8 @@ class Engine:
 
     Attributes
     ----------
-    corners : str
-        ``pads``: springs without tension on pads of spring and dashpot; ``springs``: springs
-        without tension on the ground, damped in proportion to their current stiffness.
     stiffness : float
-        Of a pad, of each spring of ``springs`` and of the link [N/m].
+        Of a pad and of the link [N/m].
     groove_ratio : float
         Stiffness of a spring without tension over that of its pad [-].
     damping_ratio : float
@@ -67,7 +65,6 @@ class Engine:
         Interval of the stored history [s].
     """
 
-    corners: str = "pads"
     stiffness: float = 1e12
     groove_ratio: float = 100.0
     damping_ratio: float = 1.0
@@ -100,155 +97,235 @@ class FrameEngine:
     integrator: tuple[str | float, ...] = AVERAGE_ACCELERATION
 
 
-class NoOpenSeesError(Exception):
-    """The environment names no Python with OpenSees."""
+def begin(dofs: int) -> None:
+    """Begin a plane model with so many degrees of freedom at a node."""
+    ops.wipe()
+    ops.model("basic", "-ndm", 2, "-ndf", dofs)
 
 
-class EngineStoppedError(Exception):
-    """OpenSees did not reach the end."""
+def solver(integrator: Sequence[str | float], analysis: str, tolerance: float = 1e-10) -> None:
+    """Newton's method on the full matrix."""
+    ops.constraints("Plain")
+    ops.numberer("RCM")
+    ops.system("BandGeneral")
+    ops.test("NormDispIncr", tolerance, 50, 0)
+    ops.algorithm("Newton")
+    ops.integrator(*integrator)
+    ops.analysis(analysis)
 
 
-def main() -> None:
-    """Compute the cases that the command line names, all of them otherwise."""
-    parser = argparse.ArgumentParser(
-        description=__doc__.splitlines()[0], epilog="example: python bench/opensees_cases.py g5"
-    )
-    words = (*WALLS, *FRAMES)
-    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"any of {', '.join(words)}")
-    parser.add_argument("--out", type=Path, default=ROOT / "validation" / "opensees")
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    try:
-        for name in options.cases or words:
-            started = time.perf_counter()
-            (store_frame if name in FRAMES else store_wall)(name, options.out)
-            print(f"{name}: {time.perf_counter() - started:.0f} s", flush=True)
-    except NoOpenSeesError as error:
-        sys.exit(str(error))
+def constant_load() -> None:
+    """Let the loads that follow be constant."""
+    ops.timeSeries("Constant", 1)
+    ops.pattern("Plain", 1, 1)
 
 
-def store_wall(name: str, folder: Path) -> None:
-    """Compute a wall and store its history."""
-    case = rwmf.Case.from_namelist(ROOT / "validation" / f"{name}.nml")
-    facts, history = compute_wall(case, Engine())
-    write(folder / f"{name}.csv", facts, history)
+def advance(steps: int, *dt: float) -> None:
+    """Make steps, of a static analysis without `dt` [s]."""
+    if steps > 0 and ops.analyze(steps, *dt) != 0:
+        raise SystemExit(f"no convergence at {ops.getTime():g} s")
 
 
-def store_frame(name: str, folder: Path) -> None:
-    """Compute all variants of a frame; store the history of the full one and the peaks of all."""
-    case = rwmf.Case.from_namelist(ROOT / "validation" / f"{name}.nml")
-    peaks = {}
+def shake(dt: float, a: Array) -> None:
+    """Set the ground in motion by samples [m/s2], zero after the last."""
+    ops.setTime(0.0)
+    ops.timeSeries("Path", 2, "-dt", dt, "-values", *a.tolist())
+    ops.pattern("UniformExcitation", 2, 1, "-accel", 2)
+
+
+def version() -> str:
+    """Return the name of the engine with its version."""
+    return f"OpenSees {ops.version()}"
+
+
+def compute_wall(case: rwmf.Case, engine: Engine) -> Array:
+    """Return the history with the place of the corner down, with or without frame and cable."""
+    _build_wall(case, engine)
+    _build_corners(case, engine)
+    k = engine.stiffness
+    if cable := cable_of(case):
+        # from the middle of the base to the middle of the top
+        ops.uniaxialMaterial("Elastic", CABLE, cable[0] * 2 * case.wall.h)
+        ops.uniaxialMaterial("InitStressMaterial", STRESSED, CABLE, cable[1])
+        ops.element("corotTruss", 41, GROUND, TOP, 1.0, STRESSED)
+    if frame := frame_of(case):
+        # linked to the left top corner by a long stiff truss
+        length = engine.link_length
+        for node, fixed in ((FRAME, (0, 1, 1)), (FRAME_BASE, (1, 1, 1))):
+            ops.node(node, -case.wall.b - length, 2 * case.wall.h)
+            ops.fix(node, *fixed)
+        ops.mass(FRAME, frame.m, 0.0, 0.0)
+        ops.uniaxialMaterial("Elastic", SPRING, frame.k, frame.c)
+        ops.element("zeroLength", 51, FRAME_BASE, FRAME, "-mat", SPRING, "-dir", 1)
+        # damping of the link against vibrations after an impact
+        both = 1 / (1 / frame.m + 1 / case.wall.m_w)
+        ops.uniaxialMaterial("Elastic", LINK, k * length, 2 * math.sqrt(k * both) * length)
+        ops.element("corotTruss", 52, FRAME, LINKED, 1.0, LINK)
+    _prepare_wall(case, engine)
+    dt, interval = engine.dt, engine.stored_interval
+    rows = []
+    for i in range(round(case.solver.t_end / interval) + 1):
+        advance(round(interval / dt) - 1 if i else 0, dt)
+        before = _observe(case)
+        advance(1, dt)
+        # means of the steps before and after an instant
+        rows.append([i * interval, *np.mean([before, _observe(case)], axis=0)])
+    return np.array(rows)
+
+
+def _places(case: rwmf.Case) -> dict[int, tuple[float, float]]:
+    """Return the points of the upright wall, with the middle of its base at the origin."""
+    h, b = case.wall.h, case.wall.b
+    return {BASE: (0.0, 0.0), LEFT: (-b, 0.0), RIGHT: (b, 0.0), CENTROID: (0.0, h),
+            TOP: (0.0, 2 * h), LINKED: (-b, 2 * h)}  # fmt: skip
+
+
+def _build_wall(case: rwmf.Case, engine: Engine) -> None:
+    """Mass and rotational inertia of the wall on beams that hardly bend."""
+    h, b, m = case.wall.h, case.wall.b, case.wall.m_w
+    begin(3)
+    for node, place in _places(case).items():
+        ops.node(node, *place)
+    for node, x in ((GROUND, 0.0), (GROUND_LEFT, -b), (GROUND_RIGHT, b)):
+        ops.node(node, x, 0.0)
+        ops.fix(node, 1, 1, 1)
+    ops.mass(CENTROID, m, m, m * (h * h + b * b) / 3)
+    ops.geomTransf("Corotational", 1)
+    area = engine.stiffness * engine.beam_ratio * b
+    pairs = ((BASE, LEFT), (BASE, RIGHT), (BASE, CENTROID), (CENTROID, TOP), (TOP, LINKED))
+    for element, ends in enumerate(pairs, start=1):
+        ops.element("elasticBeamColumn", element, *ends, area, 1.0, area * b * b, 1)
+
+
+def _build_corners(case: rwmf.Case, engine: Engine) -> None:
+    """No-tension corners on pads."""
+    k, slope = engine.stiffness, math.sqrt(0.5)
+    # critical for the wall that falls flat on both corners
+    delay = 2 * engine.damping_ratio / math.sqrt(2 * k / case.wall.m_w)
+    groove = ("-orient", slope, slope, 0.0, -slope, slope, 0.0)
+    ops.uniaxialMaterial("ENT", NO_TENSION, k * engine.groove_ratio)
+    ops.uniaxialMaterial("Elastic", PAD, k, k * delay)
+    for corner, pad, ground in SIDES:
+        ops.node(pad, *_places(case)[corner])
+        ops.fix(pad, 0, 0, 1)
+        ops.element("zeroLength", 30 + corner, ground, pad, "-mat", PAD, PAD, "-dir", 1, 2)
+        springs = ("-mat", NO_TENSION, NO_TENSION, "-dir", 1, 2, "-doRayleigh", 1)
+        ops.element("zeroLength", 20 + corner, pad, corner, *springs, *groove)
+
+
+def _prepare_wall(case: rwmf.Case, engine: Engine) -> None:
+    """Load the wall with its weight, or rotate it; then apply the ground motion."""
+    constant_load()
+    ops.load(CENTROID, 0.0, -case.wall.m_w * case.model.g, 0.0)
+    solver(("LoadControl", 1.0), "Static")
+    if case.initial is None:
+        advance(1)
+    else:
+        b = case.wall.b
+        theta = case.initial.theta_over_alpha * math.atan2(b, case.wall.h)
+        sine, cosine = math.sin(theta), math.cos(theta)
+        for node, (x, z) in _places(case).items():
+            # about the right corner
+            u = b + (x - b) * cosine + z * sine - x
+            w = -(x - b) * sine + z * cosine - z
+            for dof, value in enumerate((u, w, -theta), start=1):
+                ops.setNodeDisp(node, dof, value, "-commit")
+    ops.wipeAnalysis()
+    # the middle of a step is where the pulses jump: the sum over it has half of either side
+    ops.setTime(-engine.dt / 2)
+    if pulse := pulse_of(case):
+        period, shift = 2 * math.pi / pulse.omega, math.pi / 2 if pulse.wave is math.cos else 0.0
+        ops.timeSeries("Trig", 2, 0.0, pulse.cycles * period, period, "-factor", pulse.a_max,
+                       "-shift", shift)  # fmt: skip
+        ops.pattern("UniformExcitation", 2, 1, "-accel", 2)
+    solver(engine.integrator, "Transient")
+
+
+def _observe(case: rwmf.Case) -> list[float]:
+    """Return theta, theta', uplifts of the corners, u_s, and the place of the corner down."""
+    theta = -ops.nodeDisp(CENTROID, 3)
+    u_s = ops.nodeDisp(FRAME, 1) if case.frame is not None else math.nan
+    down = ops.nodeDisp(RIGHT if theta > 0 else LEFT, 1)
+    return [theta, -ops.nodeVel(CENTROID, 3), ops.nodeDisp(LEFT, 2), ops.nodeDisp(RIGHT, 2), u_s,
+            down]  # fmt: skip
+
+
+def compute_frame(case: rwmf.Case, engine: FrameEngine) -> tuple[Array, Array]:
+    """Return rows of time, drifts from the ground up and absolute accelerations in g; peaks."""
+    storeys, g, dt = case.storeys, case.model.g, engine.dt
+    n = len(storeys.height)
+    _build_frame(case, engine)
+    if case.p_delta is not None:
+        constant_load()
+        for i, m in enumerate(storeys.m_over_m_w, start=1):
+            ops.load(i, 0.0, -case.p_delta.m_g_over_m_s * m * g)
+        solver(("LoadControl", 1.0), "Static", 1e-12)
+        advance(1)
+        ops.wipeAnalysis()
+    if case.motion.kind == "record":
+        t, a = np.loadtxt(case.inputs[1], delimiter=",", skiprows=5, unpack=True)
+        a, t_end = a * case.motion.scale * g, t[-1]
+    else:
+        pulse, t_end = pulse_of(case), case.solver.t_end
+        t = dt * np.arange(round(2 * math.pi / pulse.omega / dt) + 1)
+        a = np.append(pulse.a_max * np.sin(pulse.omega * t), [0.0, 0.0])
+    interval = float(t[1] - t[0])
+    shake(interval, a)
+    solver(engine.integrator, "Transient", 1e-12)
+    stride = round(engine.stored_interval / dt)
+    rows, peaks = [np.zeros(2 * n + 1)], np.zeros(2 * n)
+    for step in range(1, round(t_end / dt) + 1):
+        advance(1, dt)
+        drifts = np.diff([ops.nodeDisp(i, 1) for i in range(n + 1)]) / storeys.height
+        ground = np.interp(step * dt / interval, np.arange(a.size), a)
+        floors = [(ops.nodeAccel(i, 1) + ground) / g for i in range(1, n + 1)]
+        values = np.append(drifts, floors)
+        peaks = np.maximum(peaks, abs(values))
+        if step % stride == 0:
+            rows.append(np.append(step * dt, values))
+    return np.array(rows), peaks
+
+
+def _build_frame(case: rwmf.Case, engine: FrameEngine) -> None:
+    """Floors above each other, springs for the shear between them, and columns."""
+    storeys, yielding, z = case.storeys, case.yielding, 0.0
+    begin(2)
+    ops.node(0, 0.0, 0.0)
+    ops.fix(0, 1, 1)
+    ops.uniaxialMaterial("Elastic", COLUMN, engine.column_ratio * max(storeys.k_over_m_w))
+    rows = zip(storeys.m_over_m_w, storeys.k_over_m_w, storeys.height, strict=True)
+    for i, (m, k, height) in enumerate(rows, start=1):
+        z += height
+        ops.node(i, 0.0, z)
+        # negligible vertical mass; the eigenvalue solver does not accept zero
+        ops.mass(i, m, 1e-6 * m)
+        if yielding is None:
+            ops.uniaxialMaterial("Elastic", i, k)
+        else:
+            f_y = k * yielding.storey_u_y[i - 1]
+            ops.uniaxialMaterial("Steel01", i, f_y, k, yielding.hardening)
+        ops.element("twoNodeLink", i, i - 1, i, "-mat", i, "-dir", 2)
+        ops.element("corotTruss", COLUMN + i, i - 1, i, height, COLUMN)
+    # of every mode; the frame has not been loaded yet
+    ops.eigen(len(storeys.height))
+    ops.modalDamping(case.frame.xi_s)
+
+
+def _store(name: str, folder: Path) -> None:
+    """Store a history: of a frame that of the full variant, and the peaks of all."""
+    case, peaks = case_of(name), {}
+    if name in WALLS:
+        rows = compute_wall(case, Engine())
+        facts = {"engine": version(), "slip_max_m": slip(rows), **asdict(Engine())}
+        write(folder / f"{name}.csv", facts, rows[:, :6])
+        return
     for words in VARIANTS:
-        facts, rows, peaks[words] = compute_frame(variant(case, words), FrameEngine())
+        rows, peaks[words] = compute_frame(variant(case, words), FrameEngine())
         if words == FULL:
+            facts = {"engine": version(), **asdict(FrameEngine())}
             write(folder / f"{name}.csv", facts, rows, COLUMNS)
     write_peaks(folder / f"{name}_peaks.csv", peaks)
 
 
-def compute_wall(case: rwmf.Case, engine: Engine) -> tuple[dict[str, Any], Array]:
-    """Compute a wall with or without frame and cable."""
-    found = ask("wall.py", wall_scene(case), asdict(engine))
-    rows = np.array(found["rows"])
-    standing = rows[np.abs(rows[:, 1]) > 1e-4, 6]
-    slip = float(np.ptp(standing)) if standing.size else 0.0
-    facts = {"engine": found["engine"], "slip_max_m": float(f"{slip:.3g}"), **asdict(engine)}
-    return facts, rows[:, :6]
-
-
-def compute_frame(case: rwmf.Case, engine: FrameEngine) -> tuple[dict[str, Any], Array, Array]:
-    """Compute a frame of storeys."""
-    found = ask("frame.py", frame_scene(case, engine), asdict(engine))
-    facts = {"engine": found["engine"], **asdict(engine)}
-    return facts, np.array(found["rows"]), np.array(found["peaks"])
-
-
-def wall_scene(case: rwmf.Case) -> dict[str, Any]:
-    """Return masses, sizes, spring, cable and pulse of a case with a wall."""
-    wall, frame, cable = case.wall, None, None
-    h, b, weight = wall.h, wall.b, wall.m_w * case.model.g
-    if case.frame is not None:
-        m_s, omega_s = case.frame.gamma * wall.m_w, 2 * math.pi / case.frame.T_s
-        frame = {"m": m_s, "k": m_s * omega_s**2, "c": 2 * case.frame.xi_s * m_s * omega_s}
-    alpha = math.atan2(b, h)
-    if case.cable is not None:
-        # about a corner, the middle of the top rises and moves sideways
-        rise = 2 * h * math.cos(alpha) + b * math.sin(alpha)
-        length = math.hypot(b * (1 - math.cos(alpha)) + 2 * h * math.sin(alpha), rise)
-        gain = (case.cable.eta_alpha - case.cable.eta_0) * weight
-        cable = {"stiffness": gain / (length - 2 * h), "force": case.cable.eta_0 * weight}
-    return {
-        "h": h,
-        "b": b,
-        "m_w": wall.m_w,
-        "g": case.model.g,
-        "frame": frame,
-        "cable": cable,
-        "theta_0": None if case.initial is None else case.initial.theta_over_alpha * alpha,
-        "motion": _pulse(case),
-        "t_end": case.solver.t_end,
-    }
-
-
-def _pulse(case: rwmf.Case) -> dict[str, Any] | None:
-    motion = case.motion
-    if motion.kind == "none":
-        return None
-    return {
-        "a_max": motion.a_max_g * case.model.g,
-        "period": 2 * math.pi / motion.omega_p,
-        "cycles": motion.cycles if motion.kind == "sine" else 1.0,
-        "cosine": motion.kind == "one_cosine",
-    }
-
-
-def frame_scene(case: rwmf.Case, engine: FrameEngine) -> dict[str, Any]:
-    """Return masses, springs, strengths, weights and the ground motion of a bare frame."""
-    storeys, motion = case.storeys, case.motion
-    yielding, p_delta = case.yielding, case.p_delta
-    if motion.kind == "record":
-        t, a = np.loadtxt(case.inputs[1], delimiter=",", skiprows=5, unpack=True)
-        dt, a, t_end = t[1] - t[0], a * motion.scale * case.model.g, t[-1]
-    else:
-        pulse, dt, t_end = _pulse(case), engine.dt, case.solver.t_end
-        t = dt * np.arange(round(pulse["period"] / dt) + 1)
-        a = np.append(pulse["a_max"] * np.sin(2 * math.pi * t / pulse["period"]), [0.0, 0.0])
-    return {
-        "g": case.model.g,
-        "xi": case.frame.xi_s,
-        "m": list(storeys.m_over_m_w),
-        "k": list(storeys.k_over_m_w),
-        "height": list(storeys.height),
-        "u_y": None if yielding is None else list(yielding.storey_u_y),
-        "hardening": None if yielding is None else yielding.hardening,
-        "m_g_over_m_s": None if p_delta is None else p_delta.m_g_over_m_s,
-        "dt": float(dt),
-        "a": a.tolist(),
-        "t_end": float(t_end),
-    }
-
-
-def ask(program: str, scene: dict[str, Any], engine: dict[str, Any]) -> dict[str, Any]:
-    """Compute a scene by a program in the Python that has OpenSees."""
-    python = os.environ.get("RWMF_OPENSEES")
-    if not python:
-        raise NoOpenSeesError("RWMF_OPENSEES names no Python that has openseespy")
-    with tempfile.TemporaryDirectory() as place:
-        answer = Path(place) / "answer.json"
-        done = subprocess.run(
-            [python, str(HERE / program), str(answer)],
-            input=json.dumps({"scene": scene, "engine": engine}),
-            text=True,
-            capture_output=True,
-            check=False,
-        )
-        if not answer.is_file():
-            mark = "RuntimeError: "
-            reasons = [line for line in done.stderr.splitlines() if line.startswith(mark)]
-            why = reasons[-1].removeprefix(mark) if reasons else done.stderr[-2000:]
-            raise EngineStoppedError(why)
-        found = json.loads(answer.read_text(encoding="utf-8"))
-    return {"engine": f"OpenSees {found['version']}", **found}
-
-
 if __name__ == "__main__":
-    main()
+    store_cases(__doc__, "opensees", (*WALLS, *FRAMES), _store)

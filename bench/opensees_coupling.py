@@ -7,58 +7,44 @@ times, writes ``validation/opensees/coupling.csv`` and prints it as a table. It 
 
 from __future__ import annotations
 
-import csv
 import importlib
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
 import rwmf
+from common import ROOT, read_rows, table, write_rows
 from rwmf.export.si_building import Frame, Law, read_building
 
-ROOT = Path(__file__).resolve().parents[1]
+from exported_scenes import CABLE, FRAME, WALL  # isort: skip
+
 STORE = ROOT / "validation" / "opensees" / "coupling.csv"
-WALL = (
-    "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' /"
-    "&solver rtol = 1e-10, t_end = 4.0 /\n"
+FUSES = "&fuse F_y = 40e3, k = 2e7, hardening = 0.02 /"
+BENDING = "&bending EI = 3e9, xi = 0.02, modes = 2 /"
+# three storeys
+STOREYS = (
+    "&frame xi_s = 0.03 / &storeys n = 3, m = 40e3, k = 40e6, height = 3.3333333333333335, "
+    "distribution = 'linear', coupling = "
 )
-CABLE = "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss' /\n"
-END = "&output reactions = .true. / &model formulation = 'exact' /\n"
-BENDING = "&bending EI = 3e9, xi = 0.02, modes = 2 /\n"
-
-
-def storeys(coupling: str) -> str:
-    """Write three storeys."""
-    springs = ", k_link = 5e6" if coupling == "springs" else ""
-    return (
-        "&frame xi_s = 0.03 / &storeys n = 3, m = 40e3, k = 40e6, height = 3.3333333333333335, "
-        f"coupling = '{coupling}', distribution = 'linear'{springs} /\n"
-    )
-
-
+ROOF, FLOORS = f"{STOREYS}'full' /", f"{STOREYS}'every_floor' /"
+SPRINGS = f"{STOREYS}'springs', k_link = 5e6 /"
 SCENES = {
-    "one mass": WALL + "&frame T_s = 0.8, gamma = 3.0, xi_s = 0.04 /" + CABLE,
-    "three storeys, wall at the roof": WALL + storeys("full") + CABLE,
-    "three storeys, wall at every floor": WALL + storeys("every_floor") + CABLE,
-    "yielding fuses, tendon that yields": WALL
-    + storeys("full")
-    + "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss', eta_y = 0.85 /"
-    + "&fuse F_y = 40e3, k = 2e7, hardening = 0.02 /\n",
-    "yielding columns, wall at the roof": WALL
-    + storeys("full")
+    "one mass": FRAME + CABLE,
+    "three storeys, wall at the roof": ROOF + CABLE,
+    "three storeys, wall at every floor": FLOORS + CABLE,
+    "yielding fuses, tendon that yields": ROOF + CABLE.replace(" /", ", eta_y = 0.85 /") + FUSES,
+    "yielding columns, wall at the roof": ROOF
     + CABLE
     + "&yielding storey_u_y = 0.008, hardening = 0.05 /",
-    "wall that bends at every floor, fuses": WALL
-    + storeys("every_floor")
-    + BENDING
-    + "&fuse F_y = 40e3, k = 2e7, hardening = 0.02 /\n",
-    "link springs at every floor": WALL + storeys("springs") + CABLE,
-    "wall that bends, link springs": WALL + storeys("springs") + BENDING + CABLE,
+    "wall that bends at every floor, fuses": FLOORS + BENDING + FUSES,
+    "link springs at every floor": SPRINGS + CABLE,
+    "wall that bends, link springs": SPRINGS + BENDING + CABLE,
 }
+END = """&solver rtol = 1e-10, t_end = 4.0 /
+&output reactions = .true. / &model formulation = 'exact' /"""
 T_END = 4.0
 # interval of the samples [s], and the longest step
 SAMPLES = 0.01
@@ -92,8 +78,7 @@ def motion() -> rwmf.Motion:
 
 def case_of(scene: str) -> rwmf.Case:
     """Make the case of a scene."""
-    case = rwmf.Case.from_text(SCENES[scene] + END)
-    return case.replace(motion=motion())
+    return rwmf.Case.from_text(WALL + SCENES[scene] + END).replace(motion=motion())
 
 
 def frame_of(case: rwmf.Case) -> Frame:
@@ -196,42 +181,30 @@ def compare(ops: ModuleType, scene: str) -> list[Row]:
     return rows
 
 
-def read() -> list[Row]:
-    """Read the stored rows."""
-    with STORE.open(encoding="utf-8") as stream:
-        return [Row(scene, *map(float, rest)) for scene, *rest in list(csv.reader(stream))[1:]]
-
-
 def main() -> None:
     """Compute all scenes, or those given; print the table."""
     ops = importlib.import_module("openseespy.opensees")
-    known = read() if STORE.is_file() else []
-    stored = {scene: [row for row in known if row.scene == scene] for scene in SCENES}
+    kinds = (str, *[float] * (len(Row._fields) - 1))
+    known = [Row(*row) for row in read_rows(STORE, kinds)]
     for scene in sys.argv[1:] or SCENES:
-        stored[scene] = compare(ops, scene)
-    rows = [row for scene in SCENES for row in stored[scene]]
-    with STORE.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(Row._fields)
-        for row in rows:
-            numbers = {key: f"{x:.3g}" for key, x in row._asdict().items() if key != "scene"}
-            numbers["dt_ms"] = f"{row.dt_ms:g}"
-            writer.writerow([row.scene, *numbers.values()])
-    print(table(rows))
-
-
-def table(rows: list[Row]) -> str:
-    """Write the rows as a table of a page."""
-    lines = [
-        "| scene | step [ms] | largest $u_s$ | first impacts [ms] | history of $u_s$ | order |",
-        "|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {row.scene} | {row.dt_ms:g} | {row.u_s_max_error:.1e} | {row.impacts_error_ms:.1e} | "
-        f"{row.history_error:.1e} | {'' if np.isnan(row.order) else f'{row.order:.2f}'} |"
+        known = [row for row in known if row.scene != scene] + compare(ops, scene)
+    rows = sorted(known, key=lambda row: list(SCENES).index(row.scene))
+    # steps have more than three digits
+    write_rows(STORE, Row._fields, (row._replace(dt_ms=f"{row.dt_ms:g}") for row in rows))
+    heads = (
+        "scene",
+        "step [ms]",
+        "largest $u_s$",
+        "first impacts [ms]",
+        "history of $u_s$",
+        "order",
+    )
+    cells = (
+        (row.scene, f"{row.dt_ms:g}", f"{row.u_s_max_error:.1e}", f"{row.impacts_error_ms:.1e}",
+         f"{row.history_error:.1e}", "" if np.isnan(row.order) else f"{row.order:.2f}")
         for row in rows
-    ]
-    return "\n".join(lines)
+    )  # fmt: skip
+    print(table(heads, cells))
 
 
 if __name__ == "__main__":

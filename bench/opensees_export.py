@@ -8,20 +8,17 @@ one.
 
 from __future__ import annotations
 
-import csv
 import sys
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from common import ROOT, read_rows, table, write_rows
 from rwmf.export.opensees import opensees_script
 from rwmf.export.opensees_run import Demand, compare_with_opensees, run_opensees
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
-
-from exported_scenes import CASES, case_of  # noqa: E402
+from exported_scenes import CASES, case_of  # isort: skip
 
 STORE = ROOT / "validation" / "opensees" / "export.csv"
 
@@ -68,43 +65,26 @@ def compare(name: str) -> Row:
     return row
 
 
-def cells(row: Row) -> str:
+def cells(row: Row) -> list[str]:
     """Write a row of the table of a page."""
     drift, acceleration = (
         "-" if np.isnan(x) else f"{x:.2g}" for x in (row.drift_percent, row.acceleration_percent)
     )
     impact = f"{row.impact_ms:.2g} ({row.impacts})" if row.impacts else "-"
     left_out = f"{row.left_out_ms:.0f} ({row.contacts})" if row.contacts else "-"
-    return f"| {row.case} | {drift} | {acceleration} | {impact} | {left_out} |"
-
-
-def read() -> list[Row]:
-    """Read the stored rows."""
-    kinds = (str, float, float, int, float, int, float)
-    with STORE.open(encoding="utf-8") as stream:
-        rows = list(csv.reader(stream))[1:]
-    return [Row(*(kind(x) for kind, x in zip(kinds, row, strict=True))) for row in rows]
-
-
-def write(rows: list[Row]) -> None:
-    """Store rows."""
-    with STORE.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(Row._fields)
-        for row in rows:
-            writer.writerow([x if isinstance(x, str | int) else f"{x:.3g}" for x in row])
+    return [row.case, drift, acceleration, impact, left_out]
 
 
 def main() -> None:
     """Compute all cases, or those given; print the table."""
-    rows = {row.case: row for row in read()} if STORE.is_file() else {}
+    kinds = (str, float, float, int, float, int, float)
+    rows = {str(row[0]): Row(*row) for row in read_rows(STORE, kinds)}
     for name in sys.argv[1:] or CASES:
         rows[name] = compare(name)
-        write([rows[known] for known in CASES if known in rows])
-    left_out = "left out [ms] (contacts)"
-    print(f"| case | drift [%] | acceleration [%] | impacts [ms] (compared) | {left_out} |")
-    print("|---|---|---|---|---|")
-    print("\n".join(cells(row) for row in read()))
+        write_rows(STORE, Row._fields, (rows[known] for known in CASES if known in rows))
+    heads = ("case", "drift [%]", "acceleration [%]", "impacts [ms] (compared)",
+             "left out [ms] (contacts)")  # fmt: skip
+    print(table(heads, (cells(rows[known]) for known in CASES if known in rows)))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Cost of a displacement spectrum: ordinates per second and true error, by program.
 
-.venv/bin/python bench/spectra.py [--periods N] [--peers all|none|NAME,...] [--plot FILE]
+.venv/bin/python bench/spectra.py [--periods N] [--peers all|none|NAME,...] [--quad N]
 
 docs/developer/bench.md describes the measurement and the columns.
 """
@@ -8,167 +8,167 @@ docs/developer/bench.md describes the measurement and the columns.
 from __future__ import annotations
 
 import argparse
-import importlib.metadata
-import os
 import platform
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import rwmf
-from peers import PEERS, draw
-from peers.measure import Row, kernel, kernel_row, peer_row
-from peers.problem import GAMMAS, Array, Peer, Record, bands, case, read_record
-from rwmf._library import measure as _measure
+from common import ROOT, least, spent, table
+from peers import GAMMAS, PEERS, Array, Peer, Record, case, read_record
+from rwmf._library import measure
 
-ROOT = Path(__file__).resolve().parent.parent
 RECORD = ROOT / "inputs" / "records" / "elcentro.csv"
 TRUTH = ("dop853", 1e-13)
 # loose and tight tolerance of the reference in quadruple precision
 QUAD = (1e-18, 1e-20)
-OURS = (("auto", 1e-7), ("auto", 1e-8), ("auto", 1e-9))
-SLOW = (
-    ("dop853", 1e-7),
-    ("dop853", 1e-9),
-    ("taylor", 1e-7),
-    ("taylor", 1e-8),
+METHODS = (
+    *(("auto", rtol) for rtol in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)),
+    *(("dop853", rtol) for rtol in (1e-7, 1e-9)),
+    *(("taylor", rtol) for rtol in (1e-7, 1e-8)),
     ("adams", 1e-8),
     ("bdf", 1e-8),
 )
-BASE = "auto"
-TARGET = 1e-7
-TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
+BASE, TARGET = ("auto", 1e-7), 1e-7
+# periods [s] from which an ordinate costs about the same up to the next
+BANDS = (0.05, 0.2, 0.5)
+
+
+class Way(NamedTuple):
+    """A way to compute ordinates."""
+
+    program: str
+    rtol: float
+    gamma: float
+    parts: list[Array]  # numbers of the computed periods in each band
+    # Peaks [m] of some numbers of periods, and the time [s]
+    peaks: Callable[[Array], tuple[Array, float]]
+
+
+def _kernel(record: Record, method: str, rtol: float, gamma: float, T_s: Array, threads: int = 1
+            ) -> tuple[Array, float]:  # fmt: skip
+    """Let the kernel compute a spectrum; its time excludes Python."""
+    found = rwmf.spectrum(case(record, method, rtol), T_s=T_s, gamma=gamma, threads=threads)
+    return found.u_s_max.values.ravel(), float(found.attrs["seconds"])
+
+
+def _peer(peer: Peer, record: Record, gamma: float, T_s: Array) -> tuple[Array, float]:
+    found: list[Array] = []
+    seconds = spent(lambda: found.append(peer.peaks(record, gamma, peer.rtol, T_s)))
+    return found[0], seconds
+
+
+def _bands(T_s: Array) -> list[Array]:
+    """Numbers of the periods in each band."""
+    band = np.searchsorted(BANDS[1:], T_s, side="right")
+    found = [np.flatnonzero(band == k) for k in range(len(BANDS))]
+    return [part for part in found if part.size]
+
+
+def _middles(part: Array, wanted: int) -> Array:
+    """Return the middles of equal parts; all for 0."""
+    n = min(wanted, part.size) or part.size
+    return part[((np.arange(n) + 0.5) * part.size / n).astype(int)]
 
 
 def _truth(record: Record, T_s: Array, quad: int) -> dict[float, Array]:
     """Peaks that errors are measured against, checked against quadruple precision."""
-    found, worst, count = {}, 0.0, 0
+    found, worst = {}, 0.0
     for gamma in GAMMAS:
-        found[gamma], _ = kernel(case(record, *TRUTH), T_s, gamma, threads=0)
-        for part in bands(T_s) if quad else []:
-            for k in part[((np.arange(quad) + 0.5) * part.size / quad).astype(int)]:
+        found[gamma], _ = _kernel(record, *TRUTH, gamma, T_s, threads=0)
+        for part in _bands(T_s) if quad else []:
+            for k in _middles(part, quad):
                 one = case(record, *TRUTH).replace(frame={"gamma": gamma, "T_s": float(T_s[k])})
-                exact = _measure.solve_reference(one, *QUAD)
+                exact = measure.solve_reference(one, *QUAD)
                 worst = max(worst, abs(found[gamma][k] / exact.values["u_s_max_m"] - 1))
-                count += 1
-    if count:
-        print(f"Reference: {TRUTH[0]} at rtol {TRUTH[1]:.0e}; {count} ordinates of it differ from")
-        print(f"the reference in quadruple precision by {worst:.0e} at the most.\n")
+    if quad:
+        print(f"Reference: {TRUTH[0]} at rtol {TRUTH[1]:.0e}; {quad} ordinates of each band differ")
+        print(f"from the reference in quadruple precision by {worst:.0e} at the most.\n")
     return found
 
 
-def _rocking(
-    record: Record, T_s: Array, truth: dict[float, Array], peers: Sequence[Peer], rounds: int
-) -> list[Row]:
-    """Measure all programs that solve the wall; ours in turn with the slow ones."""
-    slow = [
-        *((lambda g, m=m, r=r: kernel_row(record, m, r, g, T_s, truth[g], 1)) for m, r in SLOW),
-        *((lambda g, p=p: peer_row(p, record, g, T_s, truth[g])) for p in peers),
-    ]
-    found: dict[tuple[str, float, float], Row] = {}
-    for i in range(max(rounds, len(slow))):
-        for gamma in GAMMAS:
-            rows = [slow[i](gamma)] if i < len(slow) else []
-            for method, rtol in OURS:
-                rows.append(kernel_row(record, method, rtol, gamma, T_s, truth[gamma], 3))
-            for row in rows:
-                key = (row.program, row.rtol, row.gamma)
-                if key not in found or row.seconds < found[key].seconds:
-                    found[key] = row
-    order = [name for name, _ in (*OURS, *SLOW)] + [peer.name for peer in peers]
-    return sorted(found.values(), key=lambda row: (row.gamma, order.index(row.program), -row.rtol))
+def _ways(record: Record, T_s: Array, peers: Sequence[Peer]) -> list[Way]:
+    parts, ways = _bands(T_s), []
+    for gamma in GAMMAS:
+        for method, rtol in METHODS:
+            ways.append(Way(method, rtol, gamma, [np.arange(T_s.size)],
+                            partial(_kernel, record, method, rtol, gamma)))  # fmt: skip
+        for peer in peers:
+            chosen = [_middles(part, peer.per_band) for part in parts]
+            ways.append(Way(peer.name, peer.rtol, gamma, chosen,
+                            partial(_peer, peer, record, gamma)))  # fmt: skip
+            if not peer.per_band:
+                peer.peaks(record, gamma, peer.rtol, T_s[:1])  # compiles
+    return ways
 
 
-def _table(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
-    """Print a table in Markdown."""
-    print("| " + " | ".join(heads) + " |")
-    print("|" + "---|" * len(heads))
-    for line in lines:
-        print("| " + " | ".join(line) + " |")
-    print(flush=True)
+def _rows(
+    ways: Sequence[Way], T_s: Array, truth: dict[float, Array], rounds: int
+) -> list[list[str]]:
+    """Measure all ways in turn; a sample of each band is weighted with the number of periods."""
+    errors = {}
+    weights = [part.size for part in _bands(T_s)]
 
+    def cost(way: Way) -> float:
+        answers = [way.peaks(T_s[part]) for part in way.parts]
+        found = [peaks / truth[way.gamma][part] - 1
+                 for (peaks, _), part in zip(answers, way.parts, strict=True)]  # fmt: skip
+        errors[way[:3]] = abs(np.concatenate(found))
+        sizes = weights if len(way.parts) > 1 else [T_s.size]
+        each = zip(answers, way.parts, sizes, strict=True)
+        return sum(time * size / part.size for (_, time), part, size in each) / T_s.size
 
-def _rtol(row: Row) -> str:
-    return "-" if np.isnan(row.rtol) else f"{row.rtol:.0e}"
-
-
-def _print_rocking(rows: Sequence[Row], n: int) -> None:
-    """Print the table of programs that solve the wall."""
-    base = {row.gamma: row.seconds for row in rows if (row.program, row.rtol) == OURS[0]}
-    heads = (
-        "program", "rtol", "gamma", "periods run", "us an ordinate", "ordinates a second",
-        "largest error", f"above {TARGET:.0e}", f"times {BASE} {OURS[0][1]:.0e}",
-    )  # fmt: skip
-    lines = [
-        (
-            row.program,
-            _rtol(row),
-            f"{row.gamma:g}",
-            f"{row.ordinates} of {n}",
-            f"{1e6 * row.seconds:.4g}",
-            f"{1 / row.seconds:.3g}",
-            f"{row.error:.0e}",
-            str(int(np.sum(~(row.errors <= TARGET)))),
-            f"{row.seconds / base[row.gamma]:.3g}",
+    slow = [way for way in ways if len(way.parts) > 1 and way.parts[-1].size < weights[-1]]
+    seconds = least({way[:3]: partial(cost, way) for way in slow}, 1) if slow else {}
+    seconds |= least({way[:3]: partial(cost, way) for way in ways if way not in slow}, rounds)
+    rows = []
+    for key in (way[:3] for way in ways):
+        program, rtol, gamma = key
+        rows.append(
+            [
+                program,
+                f"{rtol:.0e}",
+                f"{gamma:g}",
+                f"{errors[key].size} of {T_s.size}",
+                f"{1e6 * seconds[key]:.4g}",
+                f"{1 / seconds[key]:.3g}",
+                f"{errors[key].max():.0e}",
+                str(int((~(errors[key] <= TARGET)).sum())),
+                f"{seconds[key] / seconds[*BASE, gamma]:.3g}",
+            ]
         )
-        for row in rows
-    ]
-    _table(heads, lines)
+    return rows
 
 
 def _choose(text: str) -> list[Peer]:
     """Return the requested peers that are installed, and list the others."""
-    if text == "none":
-        return []
-    words = None if text == "all" else text.lower().split(",")
-    wanted = [p for p in PEERS if words is None or any(word in p.name.lower() for word in words)]
-    for package in dict.fromkeys(p.distribution or p.package for p in wanted if not p.is_installed):
+    words = {"none": [], "all": [""]}.get(text, text.lower().split(","))
+    wanted = [p for p in PEERS if any(word in p.name.lower() for word in words)]
+    for package in dict.fromkeys(p.package for p in wanted if not p.is_installed):
         print(f"Not installed: {package}; python -m pip install {package}")
     return [peer for peer in wanted if peer.is_installed]
 
 
-def _print_machine(peers: Sequence[Peer]) -> None:
-    """Print the date and the machine of the measurement."""
-    used = dict.fromkeys(p.distribution or p.package for p in peers if p.package)
-    versions = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in used)
-    print(f"rwmf {rwmf.__version__}; {versions or 'no peers'}; Python {platform.python_version()}")
-    load = ", ".join(f"{value:.1f}" for value in os.getloadavg())
-    print(f"{_processor()}, {os.cpu_count()} CPUs, load {load}\n")
-
-
-def _processor() -> str:
-    path = Path("/proc/cpuinfo")
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    names = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure, print and draw."""
+def main() -> None:
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add: Callable[..., object] = parser.add_argument
     add("--periods", type=int, default=200, help="of the spectrum, from 0.05 to 3 s")
-    add("--peers", default="all", help="all, none, or parts of names: scipy,heyoka")
+    add("--peers", default="all", help="all, none, or parts of names: scipy,numba")
     add("--quad", type=int, default=1, help="periods a band for quadruple precision, 0 for none")
     add("--rounds", type=int, default=3, help="repetitions of fast measurements")
     add("--record", type=Path, default=RECORD, help="two columns: time in s, acceleration in g")
-    add("--plot", type=Path, default=ROOT / "plots" / "spectra.png", help="figure")
-    options = parser.parse_args(arguments)
-    peers = _choose(options.peers)
-    _print_machine(peers)
+    options = parser.parse_args()
     record = read_record(options.record)
-    T_s = np.linspace(0.05, 3.0, options.periods)
+    T_s = np.linspace(BANDS[0], 3.0, options.periods)
     truth = _truth(record, T_s, options.quad)
-    rows = _rocking(record, T_s, truth, peers, options.rounds)
-    _print_rocking(rows, T_s.size)
-    tolerances = [
-        kernel_row(record, "auto", rtol, gamma, T_s, truth[gamma], options.rounds)
-        for gamma in GAMMAS
-        for rtol in TOLERANCES
-    ]
-    _print_rocking(tolerances, T_s.size)
-    draw.spectra(rows, tolerances, options.plot)
-    print(f"Figure: {options.plot}")
+    ways = _ways(record, T_s, _choose(options.peers))
+    print(f"rwmf {rwmf.__version__}, Python {platform.python_version()}, {platform.processor()}\n")
+    heads = ("program", "rtol", "gamma", "periods run", "us an ordinate", "ordinates a second",
+             "largest error", f"above {TARGET:.0e}", "times auto 1e-07")  # fmt: skip
+    print(table(heads, _rows(ways, T_s, truth, options.rounds)))
 
 
 if __name__ == "__main__":

@@ -7,19 +7,48 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
+from rwmf import Case, simulate
 from rwmf._files import files
 from rwmf.errors import InputError
+from scipy.optimize import minimize_scalar
 
-__all__ = ["COLUMNS", "Difference", "EngineHistory", "compare", "crossings", "read", "write"]
+from reproduce.responses import Array, Changes, Responses
 
-Array = npt.NDArray[np.float64]
+__all__ = ["COLUMNS", "ENGINES", "RIGID", "VALIDATION", "VARIANTS", "Difference", "EngineHistory",
+           "Tolerance", "agrees", "compare", "crossings", "fitted_restitution", "measure", "read",
+           "stored", "tolerance", "write"]  # fmt: skip
+
 # of a stored history; without a frame the last one is missing
 COLUMNS = ("t_s", "theta_rad", "theta_dot_rad_s", "left_uplift_m", "right_uplift_m", "u_s_m")
+# folder of stored histories, name in a legend
+ENGINES = {
+    "mujoco": "MuJoCo, rigid contact",
+    "opensees": "OpenSees, no-tension corners",
+    "calculix": "CalculiX, deformable wall",
+}
+# those whose wall does not deform
+RIGID = ("mujoco", "opensees")
+VALIDATION = ("free", "block", "g5", "g1800", "disc")
+_LINEAR: Changes = MappingProxyType({"cable": {"law": "linear"}})
+VARIANTS: dict[str, Changes] = {
+    "exact, straight cable, momentum balance": MappingProxyType({}),
+    "exact, Eq. (1), momentum balance": _LINEAR,
+    "symmetric, straight cable, momentum balance": MappingProxyType(
+        {"model": {"formulation": "symmetric"}}
+    ),
+    "published, e = 0.9": MappingProxyType(
+        {
+            "model": {"formulation": "published"},
+            "impact": {"rule": "constant", "e": 0.9},
+            **_LINEAR,
+        }
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -67,6 +96,39 @@ class Difference:
     impact_time: float
 
 
+@dataclass(frozen=True)
+class Tolerance:
+    """Criteria of agreement with an engine.
+
+    Attributes
+    ----------
+    relative : float
+        Largest relative difference of a peak and root-mean-square difference over the peak [-].
+    u_s_rms : float
+        Root-mean-square difference of the displacement over its peak [-].
+    impact_time : float
+        Largest difference of an impact's instant [s].
+    """
+
+    relative: float
+    u_s_rms: float
+    impact_time: float
+
+
+# a rigid wall whose contact takes about half a millisecond
+_RIGID = Tolerance(3e-3, 3e-3, 1e-3)
+# and one on springs of 1e12 N/m
+_STIFF = Tolerance(1e-3, 1e-3, 5e-4)
+# the wall of finite elements bends and vibrates, unlike the model's. Where it hardly rotates, at
+# the end of g1800, this moves its impacts, while the frame is unaffected
+_SOFT = {"g5": Tolerance(2e-2, 2e-2, 5e-4), "g1800": Tolerance(2e-2, 3e-3, 2e-3)}
+
+
+def tolerance(engine: str, case: str) -> Tolerance:
+    """Return the criteria of agreement with the history of an engine for a case."""
+    return {"mujoco": _RIGID, "opensees": _STIFF}.get(engine) or _SOFT[case]
+
+
 def read(path: Path) -> EngineHistory:
     """Read a stored history."""
     try:
@@ -74,11 +136,9 @@ def read(path: Path) -> EngineHistory:
             facts = json.loads(stream.readline().removeprefix("#"))
             names = stream.readline().strip().split(",")
             values = np.loadtxt(stream, delimiter=",", ndmin=2)
+        return EngineHistory(facts, dict(zip(names, values.T, strict=True)))
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: not a stored history: {error}") from error
-    if values.shape[1] != len(names):
-        raise InputError(f"{path}: {len(names)} names for {values.shape[1]} columns")
-    return EngineHistory(facts, dict(zip(names, values.T, strict=True)))
 
 
 def write(
@@ -91,6 +151,12 @@ def write(
         ",".join([f"{row[0]:.4f}", *(f"{x:.6g}" for x in row[1:])]) for row in history[:, used]
     ]
     files.write_bytes(path, ("\n".join(lines) + "\n").encode())
+
+
+def stored(of: Responses, name: str) -> dict[str, EngineHistory]:
+    """Read the histories that engines left for a validation case."""
+    paths = {engine: of.validation / engine / f"{name}.csv" for engine in ENGINES}
+    return {engine: read(path) for engine, path in paths.items() if path.is_file()}
 
 
 def compare(response: xr.Dataset, engine: EngineHistory) -> Difference:
@@ -136,3 +202,53 @@ def _rms(values: Array) -> float:
 
 def _peak(values: Array) -> float:
     return float(np.abs(values).max())
+
+
+class Row(NamedTuple):
+    """A variant of the model beside the history of an engine."""
+
+    case: str
+    engine: str
+    variant: str
+    difference: Difference
+
+
+def agrees(difference: Difference, allowed: Tolerance) -> bool:
+    """Tell whether a response is within a tolerance."""
+    relative = (difference.theta_rms, difference.theta_peak, difference.u_s_peak)
+    # NaN where the scene lacks the quantity: without a frame, no displacement
+    return (
+        not any(value > allowed.relative for value in relative)
+        and not difference.u_s_rms > allowed.u_s_rms
+        and difference.impacts == difference.engine_impacts
+        and difference.impact_time <= allowed.impact_time
+    )
+
+
+def measure(of: Responses) -> list[Row]:
+    """Compare every variant of the model with every stored history."""
+    rows = []
+    for name in VALIDATION:
+        case, histories = of.engine_case(name), stored(of, name)
+        for variant, changes in VARIANTS.items():
+            # a scene without cable has no law to change
+            wanted = {k: v for k, v in changes.items() if k != "cable" or case.cable is not None}
+            if changes is _LINEAR and not wanted:
+                continue
+            response = simulate(case.replace(**wanted))
+            rows += [Row(name, engine, variant, compare(response, history))
+                     for engine, history in histories.items()]  # fmt: skip
+    return rows
+
+
+def fitted_restitution(case: Case, history: EngineHistory) -> float:
+    """Find the constant restitution with which the model is closest to an engine's history."""
+    allowed = float(simulate(case)["e_max"])
+    fast = case.replace(solver={"method": "dop853"}, output={"dt": 2e-3})
+
+    def distance(e: float) -> float:
+        response = simulate(fast.replace(impact={"rule": "constant", "e": e}))
+        return compare(response, history).theta_rms
+
+    bounds = (allowed - 0.01, min(allowed + 0.01, 1.0))
+    return float(minimize_scalar(distance, bounds=bounds, options={"xatol": 1e-7}).x)

@@ -3,34 +3,19 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+from rwmf import Case, simulate
 from rwmf._files import files
-from rwmf._simulation import simulate
-from rwmf.case import Case
 from rwmf.errors import InputError
 
-from reproduce.engines import EngineHistory, read
-from reproduce.response_cache import ResponseCache
+from reproduce.engines import EngineHistory
+from reproduce.responses import Array
 
-__all__ = [
-    "CASES",
-    "COLUMNS",
-    "FULL",
-    "VARIANTS",
-    "FrameDifference",
-    "compare_frame",
-    "frame_history",
-    "peaks_of",
-    "read_peaks",
-    "variant",
-    "write_peaks",
-]
-
-Array = npt.NDArray[np.float64]
+__all__ = ["CASES", "COLUMNS", "FULL", "VARIANTS", "FrameDifference", "compare_frame", "peaks_of",
+           "read_peaks", "variant", "write_peaks"]  # fmt: skip
 
 CASES = ("six_storeys", "six_storeys_pulse")
 _FLOORS = range(1, 7)
@@ -50,31 +35,22 @@ VARIANTS: dict[str, tuple[str, ...]] = {
 }
 
 
-@dataclass(frozen=True)
-class FrameDifference:
+class FrameDifference(NamedTuple):
     """Distances of a frame from that of an engine, storey by storey.
 
     Attributes
     ----------
-    ours, theirs : numpy.ndarray, shape (12,)
+    ours : numpy.ndarray, shape (12,)
         Largest drifts [-] and accelerations [g], in the order of `COLUMNS`.
+    peak : numpy.ndarray, shape (12,)
+        Relative differences of the peaks [-].
     history : numpy.ndarray, shape (12,)
         Largest difference over time, over the engine's peak [-].
     """
 
     ours: Array
-    theirs: Array
+    peak: Array
     history: Array
-
-    @property
-    def peak(self) -> Array:
-        """Relative differences of the peaks [-]."""
-        return np.abs(self.ours / self.theirs - 1)
-
-
-def frame_history(cache: ResponseCache, name: str) -> EngineHistory:
-    """Read the engine's history of a frame."""
-    return read(cache.validation / "opensees" / f"{name}.csv")
 
 
 def variant(case: Case, name: str) -> Case:
@@ -94,13 +70,13 @@ def peaks_of(case: Case) -> Array:
 
 def compare_frame(case: Case, engine: EngineHistory, peaks: Array) -> FrameDifference:
     """Measure how far a frame is from an engine's."""
-    response = simulate(case)
+    response, ours = simulate(case), peaks_of(case)
     t = response["time"].values
     history = [
         np.abs(np.interp(engine["t_s"], t, response[name].values) - engine[name]).max()
         for name in COLUMNS[1:]
     ]
-    return FrameDifference(peaks_of(case), peaks, np.array(history) / peaks)
+    return FrameDifference(ours, np.abs(ours / peaks - 1), np.array(history) / peaks)
 
 
 def write_peaks(path: Path, peaks: dict[str, Array]) -> None:

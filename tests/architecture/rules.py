@@ -114,13 +114,10 @@ def unknown_targets(tree: Tree) -> list[str]:
     ]
 
 
-def against_order(
-    tree: Tree, order: list[str], allowed: Mapping[tuple[str, str], str] | None = None
-) -> list[str]:
-    """List arrows to a later folder, permissions without an arrow, and files in no folder."""
+def against_order(tree: Tree, order: list[str]) -> list[str]:
+    """List arrows to a later folder, and files in no folder."""
     place = {name: number for number, name in enumerate(order)}
     found = []
-    arrows = {}
     for source in tree.sources:
         own = top_folder(source.path, order)
         if own not in place:
@@ -130,28 +127,20 @@ def against_order(
             target = tree.owners.get(name)
             folder = top_folder(target.path, order) if target else own
             if folder in place and place[folder] > place[own]:
-                text = f"{source.path}:{line}: {own} uses {name} of {folder}"
-                arrows[source.module, name] = text
-    return found + _not_allowed(arrows, allowed or {})
+                found.append(f"{source.path}:{line}: {own} uses {name} of {folder}")
+    return found
 
 
-def _not_allowed(
-    arrows: Mapping[tuple[str, str], str], allowed: Mapping[tuple[str, str], str]
-) -> list[str]:
-    unused = [f"{a} -> {b}: is allowed, but not used" for a, b in allowed if (a, b) not in arrows]
-    return [text for pair, text in arrows.items() if pair not in allowed] + unused
-
-
-def between_effects(tree: Tree, allowed: Mapping[tuple[str, str], str]) -> list[str]:
-    """Arrows from one effect to another that are not allowed, and permissions without an arrow."""
-    arrows = {}
+def between_effects(tree: Tree) -> list[str]:
+    """List arrows from one effect to another."""
+    found = []
     for source in tree.sources:
         own = _effect(source.path)
         for name, line in source.used.items():
             target = _effect(tree.owners[name].path) if name in tree.owners else ""
             if own and target and target != own and own not in NAMES_EFFECTS:
-                arrows[own, target] = f"{source.path}:{line}: {own} uses {name} of {target}"
-    return _not_allowed(arrows, allowed)
+                found.append(f"{source.path}:{line}: {own} uses {name} of {target}")
+    return found
 
 
 def _effect(path: Path) -> str:
@@ -162,39 +151,15 @@ def _effect(path: Path) -> str:
     return pure.relative_to(EFFECTS).with_suffix("").parts[0].removesuffix("_loop")
 
 
-def shared_base_names(tree: Tree, allowed: Mapping[str, int]) -> list[str]:
-    """Find base names of several files below the package, and permissions no longer needed.
-
-    `allowed` gives the number of files that may still have a name.
-    """
+def shared_names(tree: Tree) -> list[str]:
+    """Find base names of several files below the package, and names of several derived types."""
     places: dict[str, list[str]] = defaultdict(list)
     for source in tree.sources:
         if source.path.parts[0] == PACKAGE:
             places[source.path.stem.lower()].append(source.path.as_posix())
-    return _over_ratchet({name: found for name, found in places.items() if len(found) > 1}, allowed)
-
-
-def shared_type_names(tree: Tree, allowed: Mapping[str, int]) -> list[str]:
-    """Find names of several derived types, and permissions no longer needed."""
-    places: dict[str, list[str]] = defaultdict(list)
-    for source in tree.sources:
-        for found in source.types:
-            places[found.name].append(source.path.as_posix())
-    return _over_ratchet({name: found for name, found in places.items() if len(found) > 1}, allowed)
-
-
-def _over_ratchet(found: Mapping[str, list[str]], allowed: Mapping[str, int]) -> list[str]:
-    """List sizes above the allowed ones, and allowances above the measured ones."""
-    over = [
-        f"{name}: {len(places)}, allowed are {allowed.get(name, 0)}: {', '.join(places)}"
-        for name, places in found.items()
-        if len(places) > allowed.get(name, 0)
-    ]
-    return over + [
-        f"{name}: {count} are allowed, {len(found.get(name, ()))} are found: lower the permission"
-        for name, count in allowed.items()
-        if count > len(found.get(name, ()))
-    ]
+        for kind in source.types:
+            places[f"type {kind.name}"].append(source.path.as_posix())
+    return [f"{name}: {', '.join(found)}" for name, found in places.items() if len(found) > 1]
 
 
 def both_ways(tree: Tree, order: list[str]) -> list[str]:

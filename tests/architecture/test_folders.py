@@ -19,24 +19,11 @@ SRC = ROOT / "src"
 # The folder whose files may print and stop: the program's.
 MAY_PRINT = ("app",)
 
-# Present arrows to a later folder, to be removed.
-AGAINST_ORDER: dict[tuple[str, str], str] = {}
-
-# One effect that uses another, and why.
-EFFECTS_TOGETHER: dict[tuple[str, str], str] = {}
-
 STATE_ALLOWED = {
     "rwmf_app_signals": "a signal handler receives nothing but the number of the signal",
 }
 
-# Ratchets: number of present violations of each rule. A number may only decrease.
-# Base names of several files below src/rwmf.
-SHARED_BASE_NAMES: dict[str, int] = {}
-
-# Names of several derived types.
-SHARED_TYPE_NAMES: dict[str, int] = {}
-
-# Modules outside an effect's own files that use it or contain its name in code.
+# Largest number of modules outside an effect's own files that use it or contain its name in code.
 NAMING_MODULES = {"storeys": 6, "vertical": 5, "yielding": 5}
 
 # Procedures over the bounds, with reasons. Remove the line of a procedure when you shorten it.
@@ -97,19 +84,15 @@ def test_every_arrow_has_a_known_target(tree: Tree) -> None:
 
 
 def test_a_folder_uses_itself_and_those_before(tree: Tree, order: list[str]) -> None:
-    _none(rules.against_order(tree, order, AGAINST_ORDER))
+    _none(rules.against_order(tree, order))
 
 
 def test_an_effect_uses_no_other(tree: Tree) -> None:
-    _none(rules.between_effects(tree, EFFECTS_TOGETHER))
+    _none(rules.between_effects(tree))
 
 
-def test_base_names_are_unique(tree: Tree) -> None:
-    _none(rules.shared_base_names(tree, SHARED_BASE_NAMES))
-
-
-def test_type_names_are_unique(tree: Tree) -> None:
-    _none(rules.shared_type_names(tree, SHARED_TYPE_NAMES))
+def test_names_of_files_and_types_are_unique(tree: Tree) -> None:
+    _none(rules.shared_names(tree))
 
 
 def test_folders_inside_a_top_folder_use_each_other_one_way(tree: Tree, order: list[str]) -> None:

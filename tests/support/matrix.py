@@ -172,7 +172,7 @@ def _rows() -> dict[str, dict[str, Any]]:
 
     Whether two effects go together at all is the table of docs/reference/effects.md.
     """
-    effects = {effect.name: effect for effect in pairs.EFFECTS}
+    effects = dict(pairs.EFFECTS)
     no_wall, no_frame = effects.pop("no wall"), effects.pop("no frame")
     found = {"wall and frame": pairs.joined()}
     found |= {name: pairs.joined(effect) for name, effect in effects.items()}
@@ -665,8 +665,10 @@ REFUSALS = (
     Refusal(("element",), "impact, table", "an element has no &impact rule = 'table': the host "
             "applies the velocity factor, and can look it up"),
     *(Refusal(("element",), f"`&{group}", f"an element has no &{group}: {reason}")
-      for group, reason in dict.fromkeys((effect.group, effect.no_element)
-                                         for effect in pairs.EFFECTS if effect.no_element)),
+      for group, reason in (("bending", "the modes are states, and an element holds none"),
+                            ("coupling", "what yields has to be remembered"),
+                            ("restraint", "what yields has to be remembered"),
+                            ("p_delta", "the frame is the host's"))),
 )  # fmt: skip
 
 

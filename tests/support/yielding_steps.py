@@ -20,13 +20,7 @@ from yielding import slowly_unloaded
 Array = np.ndarray
 STRIDE = 0.25  # angle of the fastest mode in a step [rad]
 SAMPLES = 24  # per step
-LAWS = ("elastic_plastic", "friction", "bouc_wen")
 _G = 9.81
-
-
-def is_covered(groups: dict[str, dict[str, Any]]) -> bool:
-    """Return whether `Frame` solves a case: a bare frame with one of `LAWS`."""
-    return "wall" not in groups and groups["yielding"].get("law", LAWS[0]) in LAWS
 
 
 class Frame:

@@ -4,36 +4,16 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from instruction_counts.calls import NAMES
-from instruction_counts.ledger import Ledger, OtherSettingError, ReasonMissingError, names_of
-from instruction_counts.measure import Build, Measured, UnmeasurableError, measure
+from instruction_counts.ledger import Ledger, RefusedError
+from instruction_counts.measure import ROOT, Measured, UnmeasurableError, measure
 
-ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "tests" / "reference" / "instruction_counts.txt"
 
 
 def main() -> int:
     """Count, and compare or record."""
-    options = _read_options()
-    names, reason = options.name, ""
-    if options.accept:
-        names, reason = options.accept[:1], " ".join(options.accept[1:])
-    try:
-        measured = measure(Build(ROOT), names_of(names))
-    except KeyError as error:
-        return _complain(f"no standard call is named {error}; there are: {', '.join(NAMES)}")
-    except UnmeasurableError as error:
-        return _complain(str(error))
-    ledger = Ledger.read(REFERENCE)
-    _tabulate(ledger, measured)
-    if options.accept:
-        return _accept(ledger, measured, reason)
-    return _compare(ledger, measured)
-
-
-def _read_options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="tools/counts",
         description="Instructions of the standard calls, beside the recorded ones.",
@@ -49,12 +29,23 @@ def _read_options() -> argparse.Namespace:
     options = parser.parse_args()
     if options.accept and (options.name or len(options.accept) > 2):
         parser.error("--accept takes one name and one reason (in quotation marks)")
-    return options
-
-
-def _complain(text: str) -> int:
-    print(f"counts: {text}", file=sys.stderr)
-    return 2
+    requested, *reason = options.accept or ["all" if not options.name else ""]
+    names = options.name or (NAMES if requested == "all" else [requested])
+    if unknown := set(names) - set(NAMES):
+        parser.error(f"no standard call is named {min(unknown)}; there are: {', '.join(NAMES)}")
+    ledger = Ledger.read(REFERENCE)
+    try:
+        measured = measure(names)
+        _tabulate(ledger, measured)
+        if not options.accept:
+            return _compare(ledger, measured)
+        ledger.accept(measured.counts, measured.setting, " ".join(reason))
+    except (UnmeasurableError, RefusedError) as error:
+        print(f"counts: {error}", file=sys.stderr)
+        return 2
+    ledger.write(REFERENCE)
+    print(f"recorded in {REFERENCE.relative_to(ROOT)}", file=sys.stderr)
+    return 0
 
 
 def _tabulate(ledger: Ledger, measured: Measured) -> None:
@@ -75,16 +66,6 @@ def _compare(ledger: Ledger, measured: Measured) -> int:
     for line in dict.fromkeys(lines):
         print(line, file=sys.stderr)
     return 1 if lines else 0
-
-
-def _accept(ledger: Ledger, measured: Measured, reason: str) -> int:
-    try:
-        ledger.accept(measured.counts, measured.setting, reason)
-    except (ReasonMissingError, OtherSettingError) as error:
-        return _complain(str(error))
-    ledger.write(REFERENCE)
-    print(f"recorded in {REFERENCE.relative_to(ROOT)}", file=sys.stderr)
-    return 0
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
@@ -19,15 +19,10 @@ _HEAD = """\
 # developer/bench.md. Their conditions come first. Below a count: date, earlier count and
 # reason.
 """
-_ARROW = " -> "
 
 
-class ReasonMissingError(Exception):
-    """A count has grown, and no reason is given."""
-
-
-class OtherSettingError(Exception):
-    """The counts come from another compiler, machine or library than the recorded ones."""
+class RefusedError(Exception):
+    """Counts are not recorded: a reason is missing, or they come from another setting."""
 
 
 @dataclass
@@ -50,20 +45,17 @@ class Ledger:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Read a file; none is an empty ledger."""
-        ledger = cls()
-        name = ""
-        for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else ():
-            if line.startswith("#") or not line.strip():
-                continue
+        """Read a file."""
+        ledger, name = cls(), ""
+        for line in path.read_text(encoding="utf-8").splitlines():
             if line.startswith(" "):
                 ledger.reasons.setdefault(name, []).append(line.strip())
-                continue
-            name, value = line.split("\t")
-            if value.isdecimal():
-                ledger.counts[name] = int(value)
-            else:
-                ledger.setting[name] = value
+            elif line and not line.startswith("#"):
+                name, value = line.split("\t")
+                if value.isdecimal():
+                    ledger.counts[name] = int(value)
+                else:
+                    ledger.setting[name] = value
         return ledger
 
     def write(self, path: Path) -> None:
@@ -110,17 +102,17 @@ class Ledger:
         kept = self.counts.keys() - measured.keys()
         others = {line for name in kept for line in self.differences(setting, name)}
         if others:
-            raise OtherSettingError(
+            raise RefusedError(
                 "; ".join(sorted(others)) + ": renew all counts, tools/counts --accept all"
             )
         above = {
-            name: f"{self.counts[name]}{_ARROW}{new}"
+            name: f"{self.counts[name]} -> {new}"
             for name, new in measured.items()
             if name in self.counts and new > NOISE * self.counts[name]
         }
         if above and not reason:
             listed = "; ".join(f"{name} has grown, {change}" for name, change in above.items())
-            raise ReasonMissingError(f"{listed}: say why, tools/counts --accept NAME 'the reason'")
+            raise RefusedError(f"{listed}: say why, tools/counts --accept NAME 'the reason'")
         for name, change in above.items():
             self.reasons.setdefault(name, []).append(f"{change}: {reason}")
         for name, new in measured.items():
@@ -128,12 +120,3 @@ class Ledger:
             if old is None or name in above or NOISE * new < old:
                 self.counts[name] = new
         self.setting = dict(setting)
-
-
-def names_of(words: Iterable[str]) -> list[str]:
-    """Return names of calls; ``all`` or an empty list selects every call."""
-    requested = set(words)
-    for word in requested - {"all"}:
-        if word not in NAMES:
-            raise KeyError(word)
-    return [name for name in NAMES if not requested or "all" in requested or name in requested]

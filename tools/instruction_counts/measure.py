@@ -17,12 +17,20 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 
 from instruction_counts.calls import CALLS, Call, write_record
 
+ROOT = Path(__file__).resolve().parents[2]
+_BUILD = ROOT / "build"
+HOST = _BUILD / "bench" / "standard_calls"
+MARKS = _BUILD / "bench" / "libcallgrind_marks.so"
+BATCH = _BUILD / "src" / "app" / "rwmf-batch"
+_EXTENSIONS = _BUILD / "src" / "bindings" / "python"
+EXTENSION = next(_EXTENSIONS.glob("_kernel.*.so"), _EXTENSIONS / "_kernel.so")
 # variables of the environment that affect counts
 _SETTINGS = {
     "LD_BIND_NOW": "1",
@@ -37,14 +45,6 @@ _SUFFIXES = {".f90", ".F90", ".c", ".h", ".inc"}
 
 class UnmeasurableError(Exception):
     """The measurement is impossible; the message gives the missing part and a remedy."""
-
-
-class StaleBuildError(UnmeasurableError):
-    """The build is missing or older than its sources."""
-
-
-class ValgrindMissingError(UnmeasurableError):
-    """There is no valgrind."""
 
 
 class Measured(NamedTuple):
@@ -63,149 +63,96 @@ class Measured(NamedTuple):
     counts: dict[str, int]
 
 
-class Build(NamedTuple):
-    """The build folder of a checkout, and its programs.
-
-    Attributes
-    ----------
-    root : path
-        The checkout.
-    """
-
-    root: Path
-
-    @property
-    def folder(self) -> Path:
-        """The build folder of meson."""
-        return self.root / "build"
-
-    @property
-    def host(self) -> Path:
-        """The program that makes the calls of a host."""
-        return self.folder / "bench" / "standard_calls"
-
-    @property
-    def marks(self) -> Path:
-        """The library of the marks."""
-        return self.folder / "bench" / "libcallgrind_marks.so"
-
-    @property
-    def batch(self) -> Path:
-        """The batch program."""
-        return self.folder / "src" / "app" / "rwmf-batch"
-
-    @property
-    def extension(self) -> Path:
-        """The extension of the Python package."""
-        found = self.folder.glob("src/bindings/python/_kernel.*.so")
-        return next(found, self.folder / "src" / "bindings" / "python" / "_kernel.so")
-
-    def check(self) -> None:
-        """Check that no program is missing or older than one of its sources."""
-        kernel = self.root / "src" / "rwmf"
-        bench = self.root / "bench"
-        parts = {
-            self.host: (kernel, bench / "standard_calls.f90"),
-            self.marks: (bench / "callgrind_marks.c",),
-            self.batch: (kernel, self.root / "src" / "app"),
-            self.extension: (kernel, self.root / "src" / "bindings" / "python"),
-        }
-        for program, sources in parts.items():
-            shown = program.relative_to(self.root)
-            if not program.is_file():
-                raise StaleBuildError(f"{shown} is missing: build first (tools/run --version)")
-            built = program.stat().st_mtime
-            for source in _files(sources):
-                if source.stat().st_mtime > built:
-                    raise StaleBuildError(
-                        f"{shown} is older than {source.relative_to(self.root)}: "
-                        "build first (tools/run --version)"
-                    )
-
-    def setting(self) -> dict[str, str]:
-        """Compiler, flags and libraries of the build."""
-        info = self.folder / "meson-info"
-        try:
-            compilers = json.loads((info / "intro-compilers.json").read_text(encoding="utf-8"))
-            options = json.loads((info / "intro-buildoptions.json").read_text(encoding="utf-8"))
-        except OSError as error:
-            raise StaleBuildError("there is no build: build first (tools/run --version)") from error
-        values = {option["name"]: option["value"] for option in options}
-        flags = [f"buildtype={values['buildtype']}"]
-        flags += [*values["fortran_args"], *values["c_args"]]
-        packages = [f"{name} {version(name)}" for name in ("numpy", "xarray")]
-        return {
-            "compiler": compilers["host"]["fortran"]["full_version"],
-            "flags": " ".join(flags),
-            "machine": platform.machine(),
-            "libc": " ".join(platform.libc_ver()),
-            "python": ", ".join([f"CPython {platform.python_version()}", *packages]),
-        }
+def _check_build() -> None:
+    """Check that no program is missing or older than one of its sources."""
+    parts = {
+        HOST: ("src/rwmf", "bench/standard_calls.f90"),
+        MARKS: ("bench/callgrind_marks.c",),
+        BATCH: ("src/rwmf", "src/app"),
+        EXTENSION: ("src/rwmf", "src/bindings/python"),
+    }
+    for program, sources in parts.items():
+        fault = "missing" if not program.is_file() else ""
+        for source in () if fault else _files(sources):
+            if source.stat().st_mtime > program.stat().st_mtime:
+                fault = f"older than {source.relative_to(ROOT)}"
+        if fault:
+            shown = program.relative_to(ROOT)
+            raise UnmeasurableError(f"{shown} is {fault}: build first (tools/run --version)")
 
 
-def measure(build: Build, names: Iterable[str]) -> Measured:
+def _files(sources: Iterable[str]) -> Iterator[Path]:
+    """List the sources; hosts and batch program do not link the baseline."""
+    for place in map(ROOT.joinpath, sources):
+        yield from (
+            [place]
+            if place.is_file()
+            else (
+                path
+                for path in place.rglob("*")
+                if path.suffix in _SUFFIXES and "baseline" not in path.parts
+            )
+        )
+
+
+def setting_of_build() -> dict[str, str]:
+    """Compiler, flags and libraries of the build."""
+    info = ROOT / "build" / "meson-info"
+    try:
+        compilers = json.loads((info / "intro-compilers.json").read_text(encoding="utf-8"))
+        options = json.loads((info / "intro-buildoptions.json").read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UnmeasurableError("no build: build first (tools/run --version)") from error
+    values = {option["name"]: option["value"] for option in options}
+    flags = [f"buildtype={values['buildtype']}", *values["fortran_args"], *values["c_args"]]
+    packages = [f"{name} {version(name)}" for name in ("numpy", "xarray")]
+    return {
+        "compiler": compilers["host"]["fortran"]["full_version"],
+        "flags": " ".join(flags),
+        "machine": platform.machine(),
+        "libc": " ".join(platform.libc_ver()),
+        "python": ", ".join([f"CPython {platform.python_version()}", *packages]),
+    }
+
+
+def measure(names: Iterable[str]) -> Measured:
     """Count calls."""
     if not shutil.which("valgrind"):
-        raise ValgrindMissingError("valgrind is missing (Debian: apt-get install valgrind)")
-    build.check()
-    record = build.root / "inputs" / "records" / "elcentro.csv"
+        raise UnmeasurableError("valgrind is missing (Debian: apt-get install valgrind)")
+    _check_build()
+    record = ROOT / "inputs" / "records" / "elcentro.csv"
     if not record.is_file():
         raise UnmeasurableError("inputs/records/elcentro.csv is missing: call tools/run first")
     wanted = [call for call in CALLS if call.name in set(names)]
+    # the slowest first
+    shares = [[call for call in wanted if call.program == x] for x in ("python", "host", "batch")]
+    setting = setting_of_build()
+    counts: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as executor:
         folder = Path(name)
         write_record(record, folder)
-        tasks = [executor.submit(_count_in, build, group, folder) for group in _shares(wanted)]
-        counted = [task.result() for task in tasks]
-    setting = build.setting()
-    counts: dict[str, int] = {}
-    for instruction_set, found in counted:
-        counts |= found
-        if instruction_set:
-            setting["lanes"] = instruction_set
+        count = partial(_count_in, folder)
+        for instruction_set, found in executor.map(count, filter(None, shares)):
+            counts |= found
+            if instruction_set:
+                setting["lanes"] = instruction_set
     missing = [call.name for call in wanted if call.name not in counts]
     if missing:
         raise UnmeasurableError(f"callgrind wrote no count of {', '.join(missing)}")
     return Measured(setting, {call.name: counts[call.name] for call in wanted})
 
 
-def _files(sources: Iterable[Path]) -> Iterator[Path]:
-    for source in sources:
-        if source.is_file():
-            yield source
-        # hosts and batch program do not link the baseline
-        yield from (
-            path
-            for path in source.rglob("*")
-            if path.suffix in _SUFFIXES and "baseline" not in path.parts
-        )
-
-
-def _shares(calls: list[Call]) -> Iterator[list[Call]]:
-    """Share calls out to processes, the slowest first."""
-    for program in ("python", "host", "batch"):
-        share = [call for call in calls if call.program == program]
-        if share:
-            yield share
-
-
-def _count_in(build: Build, calls: list[Call], folder: Path) -> tuple[str, dict[str, int]]:
+def _count_in(folder: Path, calls: list[Call]) -> tuple[str, dict[str, int]]:
     """Count calls of one program, and return the instruction set that it reports as well."""
-    cases = [call.write(folder) for call in calls]
-    if calls[0].program == "batch":
-        counts = (_count_batch(build, case, folder) for case in cases)
-        return "", dict(zip((call.name for call in calls), counts, strict=True))
-    words: list[str | Path] = [
-        word
-        for call, case in zip(calls, cases, strict=True)
-        for word in (call.kind, call.name, case)
-    ]
-    command: list[str | Path] = [build.host, *words]
-    if calls[0].program == "python":
-        program = "instruction_counts.in_python"
-        command = [sys.executable, "-m", program, build.marks, *words]
-    out = folder / f"{calls[0].program}.out"
-    printed = _run(build, ["--instr-atstart=no", f"--callgrind-out-file={out}"], command)
+    cases = {call: call.write(folder) for call in calls}
+    program = calls[0].program
+    if program == "batch":
+        return "", {call.name: _count_batch(case, folder) for call, case in cases.items()}
+    words = [str(word) for call, case in cases.items() for word in (call.kind, call.name, case)]
+    python = [sys.executable, "-m", "instruction_counts.in_python", str(MARKS)]
+    command = [*(python if program == "python" else [str(HOST)]), *words]
+    out = folder / f"{program}.out"
+    printed = _run(["--instr-atstart=no", f"--callgrind-out-file={out}"], command)
     found: dict[str, int] = {}
     for dump in folder.glob(f"{out.name}*"):
         text = dump.read_text(encoding="utf-8")
@@ -214,14 +161,14 @@ def _count_in(build: Build, calls: list[Call], folder: Path) -> tuple[str, dict[
     return printed.splitlines()[0], found
 
 
-def _count_batch(build: Build, case: Path, folder: Path) -> int:
+def _count_batch(case: Path, folder: Path) -> int:
     """Instructions that a second, equal case adds to a call of the batch program."""
     copy = folder / f"{case.stem}_2.nml"
     copy.write_bytes(case.read_bytes())
     totals = []
-    for words in ([case], [case, copy]):
+    for cases in ([case], [case, copy]):
         out = folder / "batch.out"
-        _run(build, [f"--callgrind-out-file={out}"], [build.batch, *words])
+        _run([f"--callgrind-out-file={out}"], list(map(str, [BATCH, *cases])))
         totals.append(_total(out.read_text(encoding="utf-8")))
     return totals[1] - totals[0]
 
@@ -234,11 +181,11 @@ def _total(text: str) -> int:
     return int(match[1])
 
 
-def _run(build: Build, options: list[str], command: list[str | Path]) -> str:
+def _run(options: list[str], command: list[str]) -> str:
     """Run a program under callgrind and return its output."""
-    path = os.pathsep.join([str(build.root / "driver"), str(build.root / "tools")])
+    path = os.pathsep.join([str(ROOT / "driver"), str(ROOT / "tools")])
     done = subprocess.run(
-        ["valgrind", "--tool=callgrind", *options, *map(str, command)],
+        ["valgrind", "--tool=callgrind", *options, *command],
         capture_output=True,
         text=True,
         check=False,

@@ -34,6 +34,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
+HERE = Path(__file__).parent
 FIGURES = "figures"
 INSTALLED = ROOT / "build" / "pages" / "installed"
 
@@ -73,6 +74,11 @@ class Block:
     printed: str | None
     begin: int
     end: int
+
+
+def text_of(name: str) -> str:
+    """Read a text that a made page begins with."""
+    return (HERE / name).read_text(encoding="utf-8")
 
 
 def pages() -> list[Path]:

@@ -17,6 +17,8 @@ from pathlib import Path
 import ford
 import ford.sourceform
 
+from pages.blocks import text_of
+
 ROOT = Path(__file__).resolve().parents[2]
 _LIBRARIES = Path("/usr/share/javascript")
 _MEDIA = {
@@ -29,30 +31,6 @@ _REMOTE = re.compile(
     r"""(?:\?[^"]*)?"(?P<tail>[^>]*>)""",
     re.DOTALL,
 )
-_SETTINGS = """\
----
-project: rwmf, the kernel
-summary: Modules, types and procedures of the kernel of rwmf
-author: the rwmf authors
-src_dir: {root}/src
-output_dir: {output}
-html_template_dir: {work}/templates
-media_dir: {work}/media
-css: {root}/docs/fortran.css
-preprocessor: gfortran -E -cpp -P
-extensions: f90
-fpp_extensions: F90
-macro: RWMF_VERSION="{version}"
-display: public
-incl_src: false
-graph: false
-print_creation_date: false
-sort: alpha
-max_frontpage_items: 0
----
-Every module of the kernel with its public names. A host program needs the facade
-[[rwmf(module)]] alone. [Back to the documentation of rwmf](../index.html)
-"""
 
 
 def build(output: Path, work: Path, version: str) -> list[str]:
@@ -64,7 +42,8 @@ def build(output: Path, work: Path, version: str) -> list[str]:
     _make_templates(work / "templates")
     settings = work / "project.md"
     settings.write_text(
-        _SETTINGS.format(root=ROOT, output=output, work=work, version=version), encoding="utf-8"
+        text_of("ford.md").format(root=ROOT, output=output, work=work, version=version),
+        encoding="utf-8",
     )
     ford.sourceform.parse_type = _parse_type
     printed = io.StringIO()

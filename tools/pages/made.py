@@ -9,58 +9,98 @@ import argparse
 import re
 import subprocess
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
+from itertools import groupby
 
+from rwmf import _library
 from rwmf.cli.parser import make_parser
+from rwmf.quantities import QUANTITIES, SENSITIVITY, Quantity
 
-from pages import group_types, key_page, output_page
-from pages.blocks import DOCS, ROOT
+from pages import group_types
+from pages.blocks import DOCS, ROOT, text_of
 
 _WIDTH = 100
-_COMMANDS = """\
-# Commands
-
-For users of a terminal: this page lists every command with its arguments and options.
-`rwmf COMMAND --help` prints the same. The batch program `rwmf-batch CASE.nml ...` needs no
-Python; its options are at the end. `tools/docs --made` generates the page from the parser.
-
-## Exit status
-
-| status | meaning |
-|---|---|
-| 0 | success; an overturning or a collapse is a result |
-| 1 | numerical failure |
-| 2 | wrong input or output |
-| 3 | internal error; `RWMF_TRACEBACK=1` prints the traceback |
-| 130 | interrupted |
-"""
-_FACADE = """\
-# Fortran interface
-
-For developers who call rwmf from Fortran: this page lists every public name of the module `rwmf`.
-The <a href="../fortran/module/rwmf.html">pages of the kernel</a> describe each argument with its
-unit and shape. How to use it: [embedding](../howto/embedding.md),
-[tutorial](../tutorials/host-program.md).
-`tools/docs --made` generates the page from `src/rwmf.f90`.
-
-A failed call allocates `error`, with `error%stat` and `error%message`. The library neither prints
-nor stops, and it keeps nothing between calls.
-"""
 _DEFINITION = (
     r"^ *(?:(?!public|private|use|end)[^!:'\n]*\b(?:subroutine|function) {0}\b"
     r"|type\b[^:\n]*:: *{0}$|(?:abstract )?interface {0}$"
     r"|[^!:\n]*\bparameter\b[^!:\n]*:: *{0}\b)"
 )
 
+_SECTIONS = {
+    "history": "Columns of the history\n\n`CASE.history.csv`, with `&output dt`",
+    "run": "Scalars of a run\n\n`rwmf run --json`, `CASE.summary.csv`",
+    "spectrum": "Spectra\n\n`rwmf spectrum --json`, `CASE.spectrum.csv`",
+    "ordinate": "Ordinates of a spectrum\n\nRequest them by `&spectrum quantities`, `rwmf spectrum "
+    "--quantities` or\n`rwmf.spectrum(case, quantities=[...])`; a Fortran host finds them in "
+    "`values` of `spectrum_t`.\nYes is 1, no is 0, and the time of an event that did not happen is "
+    "NaN. `&output` needs only\n`friction_limit`. In Python each quantity is a variable under its "
+    "name, or under its key",
+    "sweep": "Sweeps\n\nA sweep adds these to the requested scalars of a run",
+    "cost": "Comparison of methods\n\n`rwmf cost --json`, where `seconds` is processor time",
+}
+
+
+def key_page() -> str:
+    """Make the reference of the namelist."""
+    parts = [text_of("namelist.md")]
+    for group, found in groupby(_library.schema(), key=lambda row: row.group):
+        keys = list(found)
+        parts.append(
+            f"\n## `&{group}`\n\n| key | type | unit | default | allowed | usual | meaning |"
+        )
+        parts.append("|---|---|---|---|---|---|---|")
+        parts.extend(_key_row(key, keys) for key in keys)
+    return "\n".join(parts) + "\n"
+
+
+def _key_row(row: _library.KeyRow, group: Sequence[_library.KeyRow]) -> str:
+    _, name, kind, unit, default, allowed, meaning, usual, _ = row
+    if kind == "choice":
+        allowed = ", ".join(f"'{word}'" for word in allowed.split())
+    instead = [f"`{key.key}`" for key in group if key.gives == name]
+    if default == "required" and instead:
+        default = f"required, or {', '.join(instead)}"
+    return f"| `{name}` | {kind} | {unit} | {default} | {allowed} | {usual} | {meaning} |"
+
+
+def output_page() -> str:
+    """Make the reference of the outputs."""
+    parts = [text_of("outputs.md").rstrip("\n")]
+    for output, title in _SECTIONS.items():
+        parts.append(f"\n## {title}.\n\n| key | name | type | unit | meaning | found | present |")
+        parts.append("|---|---|---|---|---|---|---|")
+        rows = (
+            item
+            for item in QUANTITIES.values()
+            if output in item.outputs.split() and not item.key.startswith(SENSITIVITY)
+        )
+        parts.extend(_output_row(item, output) for item in rows)
+    return "\n".join(parts) + "\n"
+
+
+def _output_row(item: Quantity, output: str) -> str:
+    conditions = (
+        item.group and f"`&{item.group}`",
+        item.needs,
+        item.asked_by and f"`&output {item.asked_by}`",
+    )
+    present = ", ".join(filter(None, conditions)) or "always"
+    name = ", ".join(f"`{name}`" for name in item.names(output))
+    found = "row" if output == "history" else item.found
+    return (
+        f"| `{item.key}` | {name} | {item.kind} | {item.unit} | {item.meaning} | {found} "
+        f"| {present} |"
+    )
+
 
 def command_page() -> str:
     """Make the reference of the commands."""
-    parts = [_COMMANDS]
+    parts = [text_of("commands.md")]
     for name, parser in _commands("rwmf", make_parser()):
         about = textwrap.fill(parser.description or "", _WIDTH, break_on_hyphens=False)
         parts.append(f"\n## `{name}`\n\n{about}\n")
-        rows = [row for action in parser._actions for row in _row(action)]
+        rows = [row for action in parser._actions for row in _word_row(action)]
         if rows:
             parts.append("| word | meaning |\n|---|---|\n" + "\n".join(rows) + "\n")
         example = (parser.epilog or "").removeprefix("example: ")
@@ -80,7 +120,7 @@ def _commands(
             yield from _commands(f"{name} {word}", inner)
 
 
-def _row(action: argparse.Action) -> Iterator[str]:
+def _word_row(action: argparse.Action) -> Iterator[str]:
     """Yield the row of a word, none for --help."""
     if isinstance(action, argparse._HelpAction):
         return
@@ -105,7 +145,7 @@ def facade_page() -> str:
     """Make the reference of the module `rwmf`."""
     source = (ROOT / "src" / "rwmf.f90").read_text(encoding="utf-8")
     uses = source[source.index("\nmodule rwmf") : source.index("implicit none")]
-    parts = [_FACADE]
+    parts = [text_of("fortran.md")]
     for line in re.sub(r"&\s*\n\s*", "", uses).splitlines():
         if comment := re.match(r" *! (.*)", line):
             title = comment[1][0].upper() + comment[1][1:]
@@ -141,8 +181,8 @@ def _meaning(source: str, name: str) -> str:
 
 
 PAGES: dict[str, Callable[[], str]] = {
-    "reference/namelist.md": key_page.make,
-    "reference/outputs.md": output_page.make,
+    "reference/namelist.md": key_page,
+    "reference/outputs.md": output_page,
     "reference/commands.md": command_page,
     "reference/fortran.md": facade_page,
     "../driver/rwmf/case/groups.py": group_types.make,

@@ -20,8 +20,6 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,7 +28,6 @@ import rwmf
 from pages import blocks
 
 if TYPE_CHECKING:
-    from nbclient import NotebookClient
     from nbformat import NotebookNode
 
 # of a cell
@@ -39,6 +36,7 @@ _RECORDS = re.compile(r"inputs/records/(\w+)\.csv")
 _FIGURE = re.compile(r"^!\[(?P<words>[^\]]*)\]\(figures/[\w-]+/(?P<name>[\w.-]+)\)$", re.MULTILINE)
 # links to other pages and files lead nowhere from a file that was downloaded
 _LINK = re.compile(r"(?<!!)\[(?P<words>[^\]]+)\]\((?!https?:)[^)]+\)", re.DOTALL)
+_IMAGE = "from IPython.display import Image\n\n"
 _START = """\
 # {title}
 
@@ -62,23 +60,26 @@ def run_page(page: Path, folder: Path) -> None:
     import nbformat
 
     shutil.copytree(blocks.ROOT / "inputs", folder / "inputs")
-    with _kernel(folder) as client:
-        _Writer(page, client).write()
-        nbformat.validate(client.nb)
-        nbformat.write(client.nb, folder / f"{page.stem}.ipynb")
+    writer = _Writer(page)
+    writer.write()
+    _execute(writer.notebook, folder)
+    for cell, expected in writer.expected:
+        _compare(cell, expected)
+    _drop_figures(writer.notebook)
+    nbformat.validate(writer.notebook)
+    nbformat.write(writer.notebook, folder / f"{page.stem}.ipynb")
 
 
-@contextmanager
-def _kernel(folder: Path) -> Iterator[NotebookClient]:
-    """Start a kernel in the folder, which writes nothing into the user's own."""
-    import nbformat.v4
+def _execute(notebook: NotebookNode, folder: Path) -> None:
+    """Run the cells in a kernel in the folder, which writes nothing into the user's own."""
     from nbclient import NotebookClient
+    from nbclient.exceptions import CellExecutionError
 
     # the kernel chooses the backend of notebooks itself, and its cells use all processors
     unset = ("MPLBACKEND", "OMP_NUM_THREADS")
     variables = {name: value for name, value in blocks.environment("").items() if name not in unset}
     client = NotebookClient(
-        nbformat.v4.new_notebook(),
+        notebook,
         timeout=_SECONDS,
         kernel_name="python3",
         record_timing=False,
@@ -92,18 +93,34 @@ def _kernel(folder: Path) -> Iterator[NotebookClient]:
         manager.transport = "ipc"
         manager.ip = f"{apart}/socket"
         manager.connection_file = f"{apart}/kernel.json"
-        with client.setup_kernel(env=variables | {"IPYTHONDIR": apart}):
-            yield client
+        try:
+            client.execute(env=variables | {"IPYTHONDIR": apart})
+        except CellExecutionError as error:
+            raise blocks.PageError(str(error)) from None
+
+
+def _drop_figures(notebook: NotebookNode) -> None:
+    """Drop the cell of a figure where a cell since the last one shows its own."""
+    is_shown, kept = False, []
+    for cell in notebook.cells:
+        is_figure = cell.source.startswith(_IMAGE)
+        if not (is_figure and is_shown):
+            kept.append(cell)
+        outputs = cell.get("outputs", ())
+        is_shown |= any("image/png" in output.get("data", {}) for output in outputs)
+        is_shown &= not is_figure
+    notebook.cells = kept
 
 
 class _Writer:
-    """Cells of a page, each executed as soon as it is written."""
+    """Cells of a page, and the output that some of them must have."""
 
-    def __init__(self, page: Path, client: NotebookClient) -> None:
+    def __init__(self, page: Path) -> None:
+        from nbformat.v4 import new_notebook
+
         self.page = page
-        self.client = client
-        self.shows_figure = False
-        self.has_image = False
+        self.notebook: NotebookNode = new_notebook()
+        self.expected: list[tuple[NotebookNode, str]] = []
 
     def write(self) -> None:
         """Write the page."""
@@ -138,7 +155,8 @@ class _Writer:
         end = 0
         for figure in _FIGURE.finditer(text):
             self._markdown(text[end : figure.start()])
-            self._figure(figure["name"], figure["words"])
+            self._code(f'{_IMAGE}Image("{figure["name"]}")')
+            self._markdown(f"*{figure['words']}*")
             end = figure.end()
         self._markdown(text[end:])
 
@@ -147,59 +165,43 @@ class _Writer:
 
         text = _LINK.sub(r"\g<words>", text).strip()
         if text:
-            self.client.nb.cells.append(self._named(new_markdown_cell(text)))
+            self._add(new_markdown_cell(text))
 
-    def _named(self, cell: NotebookNode) -> NotebookNode:
+    def _add(self, cell: NotebookNode) -> None:
         # the name of a cell is random otherwise
-        cell["id"] = f"cell-{len(self.client.nb.cells) + 1}"
-        return cell
-
-    def _figure(self, name: str, words: str) -> None:
-        if not self.shows_figure:
-            first = "" if self.has_image else "from IPython.display import Image\n\n"
-            self.has_image = True
-            self._code(f'{first}Image("{name}")')
-        self.shows_figure = False
-        self._markdown(f"*{words}*")
+        cell["id"] = f"cell-{len(self.notebook.cells) + 1}"
+        self.notebook.cells.append(cell)
 
     def _block(self, block: blocks.Block, source: str) -> None:
         if block.name:
             self._code(f"%%writefile {block.name}\n{block.text}")
         elif block.language == "console":
             for words, expected in blocks.commands_of(block.text):
-                printed = self._code(f"%%bash\n{words}")
-                if expected:
-                    _compare(printed, expected)
+                self._code(f"%%bash\n{words}", expected)
         elif block.language == "python":
-            out, _ = self._code(block.text)
-            if block.printed is not None:
-                blocks.compare(out, block.printed)
+            self._code(block.text, block.printed or "")
         else:
             blocks.run_block(block, {})
             self._markdown(source)
 
-    def _code(self, source: str) -> tuple[str, str]:
-        """Write and run a cell; return its standard output and its errors."""
-        from nbclient.exceptions import CellExecutionError
+    def _code(self, source: str, expected: str = "") -> None:
+        """Write a cell with the output that it must have, if any."""
         from nbformat.v4 import new_code_cell
 
-        cells = self.client.nb.cells
-        cells.append(self._named(new_code_cell(source.rstrip("\n"))))
-        try:
-            self.client.execute_cell(cells[-1], len(cells) - 1)
-        except CellExecutionError as error:
-            raise blocks.PageError(str(error)) from None
-        streams = {"stdout": "", "stderr": ""}
-        for output in cells[-1].outputs:
-            if output.output_type == "stream":
-                streams[output.name] += output.text
-            self.shows_figure |= "image/png" in output.get("data", {})
-        return streams["stdout"], streams["stderr"]
+        self._add(new_code_cell(source.rstrip("\n")))
+        if expected:
+            self.expected.append((self.notebook.cells[-1], expected))
 
 
-def _compare(printed: tuple[str, str], expected: str) -> None:
-    """Compare the output of a command; its errors may stand before or after the rest."""
-    out, errors = printed
+def _compare(cell: NotebookNode, expected: str) -> None:
+    """Compare the output of a cell; errors of a command may stand before or after the rest."""
+    streams = {"stdout": "", "stderr": ""}
+    for output in cell.outputs:
+        if output.output_type == "stream":
+            streams[output.name] += output.text
+    out, errors = streams.values()
+    if not cell.source.startswith("%%bash"):
+        errors = ""
     try:
         blocks.compare(errors + out, expected)
     except blocks.PageError:

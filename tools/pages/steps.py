@@ -11,7 +11,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from functools import cache
+from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -57,14 +57,15 @@ def _run_parts() -> None:
     if not SKETCHES.is_dir():
         (BUILD / "sketches.key").unlink(missing_ok=True)
     kernel = _files("src", "docs/fortran.css", "tools/pages/fortran_pages.py", "tools/docs.lock")
-    drawing = _files("tools/pages/sketches", "driver/rwmf/plotting/style.py")
+    drawing = _files("tools/pages/sketches.py", "driver/rwmf/plotting/style.py")
     copy = [*_files("tools/pages/explorer"), *_program()]
+    write_copy = partial(explorer.write, SITE / "explorer")
     # spawned: a forked process would share the threads of the libraries that are loaded
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
         parts = [
             pool.submit(step, "pages by FORD", _run_ford, kernel),
-            pool.submit(step, "read-only explorer", _copy_explorer, copy),
-            pool.submit(step, "sketches", _draw_sketches, drawing),
+            pool.submit(step, "read-only explorer", write_copy, copy),
+            pool.submit(step, "sketches", partial(sketches.write_all, SKETCHES), drawing),
             *(pool.submit(run_blocks, page) for page in blocks.pages()),
         ]
         try:
@@ -139,14 +140,6 @@ def _sphinx_files() -> list[Path]:
     return [*_files("docs", "plots", "include", "tools/pages", "tools/docs.lock"), *_program()]
 
 
-def _draw_sketches() -> None:
-    sketches.write_all(SKETCHES)
-
-
-def _copy_explorer() -> None:
-    explorer.write(SITE / "explorer")
-
-
 def _run_sphinx() -> None:
     """Write all pages, so that none stays whose source has gone; those of others stay."""
     for path in SITE.glob("*"):
@@ -154,9 +147,12 @@ def _run_sphinx() -> None:
             shutil.rmtree(path)
         elif path.is_file():
             path.unlink()
-    words = ["-n", "-W", "--keep-going", "-q", "-j", "auto"]
-    words += ["-b", "html", "-d", str(BUILD / "doctrees")]
-    _call([sys.executable, "-m", "sphinx", *words, "docs", str(SITE)])
+    words = ["-m", "sphinx", "-n", "-W", "--keep-going", "-q", "-j", "auto", "-b", "html", "docs"]
+    done = subprocess.run(
+        [sys.executable, *words, SITE, "-d", BUILD / "doctrees"], cwd=ROOT, check=False
+    )
+    if done.returncode:
+        raise blocks.PageError(f"Sphinx ends with {done.returncode}")
 
 
 def _run_ford() -> None:
@@ -173,9 +169,3 @@ def _check_links() -> None:
     faults = check.faults_of(SITE)
     if faults:
         raise blocks.PageError("\n".join(faults))
-
-
-def _call(words: list[str]) -> None:
-    done = subprocess.run(words, cwd=ROOT, check=False)
-    if done.returncode:
-        raise blocks.PageError(f"{' '.join(words)} ends with {done.returncode}")

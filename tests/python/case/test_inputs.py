@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT
-from shipped_spectra import SHIPPED, without_wall
+from reproduce.figures import SCENES
 
 INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
 FIGURES = [path for path in INPUTS if path.stem.startswith("fig")]
@@ -27,7 +27,7 @@ def case(request: pytest.FixtureRequest, elcentro: Path, tmp_path: Path) -> rwmf
 def test_every_figure_has_a_case() -> None:
     figures = {path.name[:5] for path in FIGURES}
     assert figures == {f"fig{number:02d}" for number in range(4, 14)}
-    assert set(SHIPPED) <= {path.stem for path in INPUTS}
+    assert set(SCENES) <= {path.stem for path in INPUTS}
 
 
 def test_what_every_case_states(case: rwmf.Case) -> None:
@@ -65,7 +65,7 @@ def test_spectrum(case: rwmf.Case) -> None:
     result = rwmf.spectrum(few)
     assert result["u_s_max"].shape == (1, 5, 3)
     assert (result["status"] == "ok").all()
-    alone = rwmf.spectrum(without_wall(few))
+    alone = rwmf.spectrum(few.without_wall())
     assert alone["u_s_max"].shape == (3,)
     # a light wall only damps: the frame alone moves further, or as far where the first peak is
     # the largest

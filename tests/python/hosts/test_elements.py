@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import ctypes
+import math
 from pathlib import Path
 from typing import Any
 
@@ -231,6 +232,49 @@ def test_bad_calls_are_named() -> None:
         wall.respond(0.1, 0.0, 0.0, 0.0)
     with pytest.raises(bad, match="&wall"):
         rwmf.Element(rwmf.Case.from_text(FRAME + "&solver t_end = 1.0 /"))
+
+
+BRACED = (
+    "&frame xi_s = 0.03 / &storeys n = 2, m = 2e4, k = 2e7, height = 4.0, coupling = 'springs', "
+    "k_link = 1e7 /"
+)
+
+
+@pytest.mark.parametrize(
+    ("frame", "velocity", "host_mass", "words"),
+    [
+        (FRAME, 0.1, None, "away from its base"),
+        (FRAME, -0.1, -1.0, "negative mass"),
+        (FRAME, -0.1, math.inf, "host_mass"),
+        (BRACED, [-1.0, 0.0, 0.0], np.ones((3, 3)), "couples the wall"),
+        (BRACED, [-1.0, 0.0, 0.0], np.triu(np.ones((3, 3))), "not symmetric"),
+    ],
+)
+def test_landings_that_cannot_be(
+    frame: str,
+    velocity: float | list[float],
+    host_mass: float | np.ndarray | None,
+    words: str,
+) -> None:
+    with element(frame=frame) as wall:
+        wall.place(1)
+        with pytest.raises(rwmf.InputError, match=words):
+            wall.land(0.0 * np.array(velocity), velocity, host_mass)
+        assert wall.side == 1
+        still = 0.0 * np.array(velocity)
+        wall.respond(still + 0.1, still, still, 0.0)
+        wall.commit()
+        with pytest.raises(rwmf.InputError, match="not on its base"):
+            wall.place(0)
+
+
+def test_a_hinged_wall_has_no_side() -> None:
+    hinged = WALL.replace(" /", ", base = 'pinned' /", 1).partition("&impact")[0]
+    with (
+        rwmf.Element(rwmf.Case.from_text(hinged + FRAME + "&solver t_end = 1.0 /")) as wall,
+        pytest.raises(rwmf.InputError, match="hinged"),
+    ):
+        wall.place(1)
 
 
 @pytest.mark.parametrize("form", ["file", "groups"])

@@ -164,3 +164,27 @@ def test_lift_off_threshold(gamma: float, formulation: str) -> None:
         lifts[factor] = int(rwmf.simulate(case)["lift_offs"])
     assert lifts[1 - 1e-9] == 0
     assert lifts[1 + 1e-6] >= 1
+
+
+@pytest.mark.parametrize(("b", "phi"), [(0.5, 0.5), (2.0, 0.9)])
+def test_reactions(b: float, phi: float) -> None:
+    """N and H of a block released at rest, up to an impact without rebound, in closed form."""
+    case = block(
+        wall={"b": b},
+        impact={"rule": "constant", "e": 0.0},
+        motion={"kind": "none", "a_max_g": None, "omega_p": None},
+        initial={"theta_over_alpha": phi},
+        solver={"method": "dop853", "rtol": 1e-12},
+        output={"reactions": True},
+    )
+    run = rwmf.simulate(case)
+    alpha = math.atan2(b, case.wall.h)
+    x = np.linspace(alpha * (1 - phi), alpha, 200_001)
+    normal = 0.25 + 2.25 * np.cos(x) ** 2 - 1.5 * np.cos(x) * np.cos(x[0])
+    horizontal = abs(np.sin(x) * (2.25 * np.cos(x) - 1.5 * np.cos(x[0])))
+    for key, value in (
+        ("pivot_normal_min_over_m_w_g", normal.min()),
+        ("friction_demand_max", max(horizontal / normal)),
+        ("base_shear_max_over_weight", max(horizontal)),
+    ):
+        assert float(run[key]) == pytest.approx(value, rel=1e-10), key

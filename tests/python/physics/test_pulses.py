@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
@@ -50,11 +51,11 @@ def _antisymmetric(t: float) -> float:
     return SIZE / _BETA * (x**2 - 3) * x * math.exp(-(x**2) / 2)
 
 
-def _cycles(t: float) -> float:
+def _cycles(t: float, gamma: float = GAMMA, nu: float = NU) -> float:
     """Mavroeidis and Papageorgiou with A = v_p such that omega_p v_p is the size [m/s2]."""
-    x = OMEGA * (t - GAMMA * T_P / 2)
-    slow = math.sin(x / GAMMA) * math.cos(x + NU) / GAMMA
-    return -SIZE / 2 * (slow + math.sin(x + NU) * (1 + math.cos(x / GAMMA)))
+    x = OMEGA * (t - gamma * T_P / 2)
+    slow = math.sin(x / gamma) * math.cos(x + nu) / gamma
+    return -SIZE / 2 * (slow + math.sin(x + nu) * (1 + math.cos(x / gamma)))
 
 
 _BY_SIZE = {"a_max_g": SIZE_G, "v_p": None}
@@ -82,11 +83,19 @@ def _motion(name: str, **changes: object) -> dict[str, object]:
     return PULSES[name][0] | {"omega_p": None, "T_p": T_P, "t_0": T_0} | changes
 
 
-@pytest.mark.parametrize("name", PULSES)
-def test_acceleration(name: str) -> None:
+_SHAPES = [(name, {}, *PULSES[name][1:]) for name in PULSES] + [
+    ("mavroeidis_papageorgiou", {"gamma_p": gamma, "nu": nu}, gamma * T_P,
+     partial(_cycles, gamma=gamma, nu=nu))
+    for gamma, nu in ((1.0001, 0.3), (2.0, math.pi / 2), (3.0, 1.0), (4.7, -2.0), (13.0, 40.0))
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "shape", "duration", "acceleration"), _SHAPES)
+def test_acceleration(
+    name: str, shape: dict[str, object], duration: float, acceleration: Callable[[float], float]
+) -> None:
     """The history shows the formula; the ground is still before and after."""
-    _, duration, acceleration = PULSES[name]
-    run = rwmf.simulate(bare_frame(motion=_motion(name)), dt=0.01)
+    run = rwmf.simulate(bare_frame(motion=_motion(name, **shape)), dt=0.01)
     t = run["time"].values - T_0
     expected = [acceleration(x) if 0 <= x <= duration else 0.0 for x in t]
     # at a jump the history has one of both values

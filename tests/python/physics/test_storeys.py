@@ -383,3 +383,15 @@ def test_a_wall_that_stays_at_rest_does_not_move(method: str) -> None:
     assert int(run["lift_offs"]) == 0
     assert np.all(run["theta"].values == 0)
     assert np.max(np.abs(run["floor_1"].values)) > 1e-4
+
+
+def test_modes_that_cannot_be_found() -> None:
+    stiff, soft = 1e9, 1e-9
+    storeys = {
+        "m_over_m_w": 5 * [1.0],
+        "k_over_m_w": [stiff, soft, stiff, soft, soft],
+        "height": 5 * [0.8],
+        "coupling": "full",
+    }
+    with pytest.raises(rwmf.NumericalError, match="DSYGV"):
+        _ = coupled(frame={"T_s": None, "gamma": None, "xi_s": 0.05}, storeys=storeys).kernel

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import rwmf
@@ -12,7 +10,6 @@ from checkout import ROOT
 
 pytest.importorskip("matplotlib")
 
-import shipped_spectra
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
@@ -104,28 +101,6 @@ def test_a_map_says_its_wall_and_its_pulse() -> None:
     found = rwmf.studies.overturning_map(case, [3.0], [0.5, 1.0], tolerance=0.1)
     assert float(found["e"]) == float(rwmf.simulate(case)["e"])
     assert found.attrs["pulse"] == "ricker"
-
-
-def test_both_forms_lie_inside_of_the_same_axes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    name = "fig12_one_cosine"
-    case = rwmf.Case.from_namelist(ROOT / "inputs" / f"{name}.nml")
-    case.replace(spectrum={"n": 4, "T_s_min": 1.0}).to_namelist(tmp_path / f"{name}.nml")
-    drawn: list[Axes] = []
-    keep = shipped_spectra.legend_below
-    monkeypatch.setattr(
-        shipped_spectra, "legend_below",
-        lambda figure, *rest, **words: (drawn.extend(figure.axes), keep(figure, *rest, **words)),
-    )  # fmt: skip
-    status = shipped_spectra.main([name, "--inputs", str(tmp_path), "--out", str(tmp_path)])
-    assert status == 0
-    files = {path.name for path in tmp_path.iterdir()} - {f"{name}.nml"}
-    assert files == {f"{name}{end}" for end in (".csv", "_exact.csv", ".png", ".svg")}
-    for ax in drawn:
-        highest = max(np.max(line.get_ydata(), initial=0.0) for line in ax.lines)
-        assert highest < ax.get_ylim()[1]
-    assert drawn[0].get_ylim() == drawn[1].get_ylim()
 
 
 def test_panels_are_as_many_as_axes() -> None:

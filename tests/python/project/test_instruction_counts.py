@@ -13,7 +13,7 @@ sys.path.append(str(ROOT / "tools"))
 from instruction_counts.__main__ import REFERENCE
 from instruction_counts.calls import NAMES
 from instruction_counts.ledger import Ledger
-from instruction_counts.measure import Build, Measured, measure
+from instruction_counts.measure import Measured, measure, setting_of_build
 
 CALL = "run_tendon"
 
@@ -29,10 +29,9 @@ def measured(recorded: Ledger) -> Measured:
     """Count all calls once, where the recorded counts can be met."""
     if not shutil.which("valgrind"):
         pytest.skip("no valgrind, which counts instructions (apt-get install valgrind)")
-    build = Build(ROOT)
     # a host depends on less than Python does: where it cannot be compared, nothing can
-    _skip_elsewhere(recorded, build.setting(), CALL)
-    return measure(build, NAMES)
+    _skip_elsewhere(recorded, setting_of_build(), CALL)
+    return measure(NAMES)
 
 
 def _skip_elsewhere(recorded: Ledger, setting: dict[str, str], name: str) -> None:

@@ -70,15 +70,3 @@ def test_wheels_are_built_with_locked_packages() -> None:
         name = canonicalize_name(wanted.name)
         assert wanted.specifier.contains(locked[name][0])
         assert name == "pip" or locked[name][0] == checkout[name][0]
-
-
-@pytest.mark.parametrize("tool", ["wheel", "lock", "lib/venv.sh", "lib/docs.sh"])
-def test_tools_install_packages_of_locks_only(tool: str) -> None:
-    """The exceptions are the calls in the test of a wheel: a user's calls."""
-    text = (_TOOLS / tool).read_text(encoding="utf-8").replace("\\\n", "")
-    calls = [line for line in text.splitlines() if re.search(r"pip['\"]? install", line)]
-    tried = [line for line in calls if "$work/clean/bin/pip" in line]
-    assert len(calls) > len(tried)
-    assert len(tried) == (tool == "wheel")
-    for line in calls:
-        assert line in tried or "--require-hashes --requirement" in " ".join(line.split())

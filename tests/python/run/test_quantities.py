@@ -51,7 +51,7 @@ def _scenes(folder: Path) -> Iterator[rwmf.Case]:
     for case in random_cases(20, 16, folder):
         yield case.replace(solver={"t_end": 0.5})
     # with a mass: forces are reported in N as well
-    effects = [_with_mass(groups) for groups in map(pairs.joined, pairs.EFFECTS)]
+    effects = [_with_mass(groups) for groups in map(pairs.joined, pairs.EFFECTS.values())]
     for groups in (*effects, *(pairs.SCENE | more for more in _FURTHER)):
         yield rwmf.Case.from_text(compose(groups), folder / "pair.nml")
 

@@ -36,8 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _case(name: str, folder: Path) -> rwmf.Case:
-    effect = next(effect for effect in pairs.EFFECTS if effect.name == name)
-    case = rwmf.Case.from_text(compose(pairs.joined(effect)), folder / "pair.nml")
+    case = rwmf.Case.from_text(compose(pairs.joined(pairs.EFFECTS[name])), folder / "pair.nml")
     return case.replace(solver={"rtol": _RTOL}, output=None, spectrum={"T_s": list(_PERIODS)})
 
 
@@ -79,7 +78,7 @@ def test_labels_and_files(folder: Path, tmp_path: Path, capsys: pytest.CaptureFi
     assert list(found.data_vars) == ["ductility", "theta_dot_max", "status"]
     assert found.theta_dot_max.attrs["units"] == "rad/s"
     path = folder / "asked.nml"
-    groups = pairs.joined(next(item for item in pairs.EFFECTS if item.name == "`&yielding`"))
+    groups = pairs.joined(pairs.EFFECTS["`&yielding`"])
     groups |= {"output": None, "spectrum": {"T_s": list(_PERIODS), "quantities": ("ductility",)}}
     path.write_text(compose({name: keys for name, keys in groups.items() if keys is not None}))
     words = ["spectrum", str(path), "--quantities", "ductility", "impacts"]

@@ -3,16 +3,13 @@
 program test_member
    use check, only: checks_t
    use member_cases, only: leaning, member_case, member_case_count, member_case_name
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf, only: case_t, commit_member, create_element, create_member, err_input, error_t, i8, &
-      land_member, link_motion_t, member_event_t, member_info_t, member_response_t, &
-      member_settles, next_member_event, place_member, query_links, query_member, &
-      read_case_text, respond_member, restart_member, revert_member, velocity_factor, &
-      wall_element_t, wall_member_t, wp
+   use rwmf, only: case_t, commit_member, create_element, create_member, error_t, i8, land_member, &
+      link_motion_t, member_event_t, member_response_t, member_settles, next_member_event, &
+      place_member, query_links, read_case_text, respond_member, restart_member, revert_member, &
+      velocity_factor, wall_element_t, wall_member_t, wp
    use rwmf, only: advance_stepping, create_stepping, destroy_stepping, event_branch, &
       event_impact, event_lift_off, event_peak, event_rest, event_t, query_events, stepping_t
-   use rwmf_model_equation, only: equation_t, frame_acceleration, frame_motion, ground, &
-      kinematics_at, straight_displacement, vertical_ground
+   use rwmf_model_equation, only: equation_t, ground, kinematics_at, straight_displacement
    use rwmf_model_floors_floor_forces, only: forces_of_linked_floors, link_pulls
    use rwmf_model_system_assembly, only: rates_at
    use rwmf_model_system_reactions, only: link_force
@@ -32,9 +29,6 @@ program test_member
    if (checks%wants('impact_rules')) call test_impact_rules()
    if (checks%wants('host_masses')) call test_host_masses()
    if (checks%wants('events')) call test_events()
-   if (checks%wants('many_cycles')) call test_many_cycles()
-   if (checks%wants('refusals')) call test_refusals()
-   if (checks%wants('unused_keys')) call test_unused_keys()
    call checks%finish()
 
 contains
@@ -569,140 +563,5 @@ contains
       settles = member_settles(landed, 0.01_wp, motion, [0.0_wp, 0.0_wp], 0.0_wp, error)
       call checks%no_error(error, 'settles')
    end function settles_after
-
-   !> 100,000 cycles of a member with all effects: the same bits in every one from the second on.
-   subroutine test_many_cycles()
-      type(wall_member_t) :: member
-      type(member_response_t) :: response, first
-      type(error_t), allocatable :: error
-      real(wp), allocatable :: motion(:, :)
-      logical :: is_same
-      integer :: k
-
-      member = member_of(member_case_count)
-      call place(member, 1)
-      motion = motion_of(member, 1)
-      is_same = .true.
-      do k = 1, 100000
-         call respond_member(member, motion, [0.0_wp, 0.0_wp], response, error)
-         call commit_member(member, error)
-         if (k == 2) first = response
-         if (k > 2) is_same = is_same .and. are_same(response, first)
-         call respond_member(member, 0.3_wp*motion, [0.0_wp, 0.0_wp], response, error, &
-            has_tangents=.false.)
-         call commit_member(member, error)
-         if (allocated(error)) exit
-      end do
-      call checks%no_error(error, 'cycles')
-      call checks%that(is_same, 'cycle by cycle the same bits')
-   end subroutine test_many_cycles
-
-   !> Each refusal once, with the state as before.
-   subroutine test_refusals()
-      type(wall_member_t) :: none, member, hinged
-      type(member_response_t) :: response
-      type(member_info_t) :: info
-      type(link_motion_t) :: links
-      type(member_event_t) :: event
-      type(case_t) :: case
-      type(error_t), allocatable :: error
-      real(wp) :: motion(1, 3), two(2, 3), still(2), v(1), nan, three(3)
-      logical :: found
-
-      nan = ieee_value(1.0_wp, ieee_quiet_nan)
-      still = 0
-      motion = 0
-      two = 0
-      call respond_member(none, motion, still, response, error)
-      call checks%has_error(error, err_input, 'never created', 'no member')
-      call commit_member(none, error)
-      call checks%has_error(error, err_input, 'never created', 'no member to commit')
-      call revert_member(none, error)
-      call checks%has_error(error, err_input, 'never created', 'no member to revert')
-      call restart_member(none, error)
-      call checks%has_error(error, err_input, 'never created', 'no member to restart')
-      call query_member(none, info, error)
-      call checks%has_error(error, err_input, 'never created', 'no member to query')
-      call place_member(none, 1, error)
-      call checks%has_error(error, err_input, 'never created', 'no member to place')
-      call read_case_text('&frame T_s = 1.0, xi_s = 0.0 /', '', case, error, is_for_host=.true.)
-      call create_member(none, case, error)
-      call checks%has_error(error, err_input, '&wall', 'no wall')
-      member = member_of(1)
-      call respond_member(member, two, still, response, error)
-      call checks%has_error(error, err_input, '1 x 3 numbers, not 2 x 3', 'shape of the motion')
-      motion(1, 2) = nan
-      call respond_member(member, motion, still, response, error)
-      call checks%has_error(error, err_input, 'velocity of degree of freedom 1 = nan', 'no number')
-      call query_links(member, motion, links, error)
-      call checks%has_error(error, err_input, 'velocity of degree', 'links of no motion')
-      motion = 0
-      call respond_member(member, motion, [nan, 0.0_wp], response, error)
-      call checks%has_error(error, err_input, 'u_g_ddot = nan', 'no ground')
-      call respond_member(member, motion, [0.0_wp, 1.0_wp], response, error)
-      call checks%has_error(error, err_input, 'v_g_ddot must be 0', 'vertical motion')
-      v = 1
-      call land_member(member, [0.0_wp], v, error)
-      call checks%has_error(error, err_input, 'at rest', 'impact at rest')
-      call place_member(member, 2, error)
-      call checks%has_error(error, err_input, 'not 2', 'side')
-      call place(member, 1)
-      call land_member(member, [0.0_wp], v, error)
-      call checks%has_error(error, err_input, 'away from its base', 'impact outwards')
-      v = -1
-      call land_member(member, [0.0_wp], v, error, reshape([-1.0_wp], [1, 1]))
-      call checks%has_error(error, err_input, 'negative mass', 'mass')
-      call land_member(member, [0.0_wp], v, error, reshape([nan], [1, 1]))
-      call checks%has_error(error, err_input, 'not finite', 'mass that is none')
-      call land_member(member, [0.0_wp], v, error, reshape([1.0_wp, 1.0_wp], [2, 1]))
-      call checks%has_error(error, err_input, 'one row and one column', 'shape of the masses')
-      call land_member(member, [0.0_wp, 0.0_wp], v, error)
-      call checks%has_error(error, err_input, 'differ in number', 'numbers of a landing')
-      motion(1, 1) = 50
-      call respond_member(member, motion, still, response, error)
-      call checks%has_error(error, err_input, 'more than the wall', 'beyond overturning')
-      call next_member_event(member, -1.0_wp, spread(motion, 3, 2), 0*two(:, :2), still, &
-         event, error)
-      call checks%has_error(error, err_input, 'dt = ', 'step backwards')
-      call move(member, 0.1_wp)
-      call place_member(member, 0, error)
-      call checks%has_error(error, err_input, 'not on its base', 'rest in the air')
-      found = member_settles(member, 0.1_wp, 0*motion, still, 0.0_wp, error)
-      call checks%has_error(error, err_input, 'not on its base', 'settles in the air')
-      call checks%that(.not. found, 'does not settle')
-      hinged = member_of(14)
-      call place_member(hinged, 1, error)
-      call checks%has_error(error, err_input, 'hinged', 'side of a hinged wall')
-      member = member_of(21)
-      call place(member, 1)
-      three = [-1.0_wp, 0.0_wp, 0.0_wp]
-      call land_member(member, 0*three, three, error, spread(spread(1.0_wp, 1, 3), 1, 3))
-      call checks%has_error(error, err_input, 'couples the wall', 'masses of free floors')
-      call land_member(member, 0*three, three, error, reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
-         1.0_wp, 2.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3]))
-      call checks%has_error(error, err_input, 'not symmetric', 'masses')
-   end subroutine test_refusals
-
-   !> An element and a member need only the keys that they use; a run needs all.
-   subroutine test_unused_keys()
-      character(*), parameter :: texts(4) = [character(120) :: '&wall h = 2.0, b = 0.5 /', &
-         '&wall h = 2.0, b = 0.5 / &frame gamma = 5.0 / &impact /', &
-         '&wall h = 2.0, b = 0.5 / &frame gamma = 5.0, xi_s = 0.05 / &solver rtol = 1e-9 /', &
-         '&wall h = 2.0, b = 0.5, m_w = 1e4 / &frame m_s = 5e4, k_s = 1e6 /']
-      type(wall_member_t) :: member
-      type(wall_element_t) :: element
-      type(case_t) :: case
-      type(error_t), allocatable :: error
-      integer :: k
-
-      do k = 1, size(texts)
-         call read_case_text(trim(texts(k)), '', case, error, is_for_host=.true.)
-         if (.not. allocated(error)) call create_member(member, case, error)
-         if (.not. allocated(error)) call create_element(element, case, error)
-         call checks%no_error(error, 'host of '//texts(k))
-         call read_case_text(trim(texts(k)), '', case, error)
-         call checks%has_error(error, err_input, '&', 'run of '//texts(k))
-      end do
-   end subroutine test_unused_keys
 
 end program test_member

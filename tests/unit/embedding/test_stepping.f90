@@ -46,19 +46,15 @@ contains
 
 end module host_sine
 
-!> A wall inside the time loop of a host: pieces, rejected steps, invalid calls, threads.
+!> A wall inside the time loop of a host: pieces, rejected steps, threads.
 program test_stepping
    use check, only: checks_t
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use host_sine, only: gap_t, sine_t
-   use rwmf, only: advance_stepping, case_t, create_element, create_stepping, destroy_stepping, &
-      element_response_t, err_input, err_numerical, error_t, event_impact, event_t, i8, &
-      query_events, query_forces, query_state, respond, restore_stepping, result_t, &
-      save_stepping, simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, &
-      wall_state_t, wp
+   use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, err_numerical, &
+      error_t, event_impact, event_t, i8, query_events, query_state, result_t, simulate, &
+      stepping_t, wall_state_t, wp
    use rwmf_core_kinds, only: pi
-   use rwmf_problem_case, only: devices_t, inerter_t
-   use scenes, only: frame_scene, rwmf_scene
+   use scenes, only: rwmf_scene
    implicit none
 
    integer, parameter :: n = 601
@@ -77,10 +73,6 @@ program test_stepping
    end do
    if (checks%wants('own_motion')) call test_own_motion()
    if (checks%wants('ground_function')) call test_ground_function()
-   if (checks%wants('bare_frame')) call test_bare_frame()
-   if (checks%wants('forces')) call test_forces(has_corners=.false.)
-   if (checks%wants('forces')) call test_forces(has_corners=.true.)
-   if (checks%wants('bad_calls')) call test_bad_calls()
    if (checks%wants('failure_takes_back')) call test_failure_takes_back()
    call checks%finish()
 
@@ -253,116 +245,6 @@ contains
          call destroy_stepping(wall)
       end do
    end subroutine test_motion_with_gap
-
-   !> Frame without a wall under a constant acceleration: u = -a/omega**2 (1 - cos(omega t)).
-   subroutine test_bare_frame()
-      type(case_t) :: case
-      type(stepping_t) :: wall
-      type(wall_state_t) :: state
-      type(error_t), allocatable :: error
-
-      case = frame_scene(1.0_wp, 'adams')
-      case%frame%xi_s = 0
-      call create_stepping(wall, case, error, t_begin=2.0_wp)
-      call advance_stepping(wall, [2.0_wp, 2.3_wp], [1.0_wp, 1.0_wp], error)
-      call query_state(wall, state, error)
-      call checks%no_error(error, 'bare frame')
-      call checks%close_to(state%u_s, -(1 - cos(0.6_wp*pi))/(2*pi)**2, 'bare frame', 1.0e-7_wp)
-      call destroy_stepping(wall)
-   end subroutine test_bare_frame
-
-   !> The link's force equals the force of the wall as an element under the same motion.
-   subroutine test_forces(has_corners)
-      logical, intent(in) :: has_corners
-      !! dampers and inerters there, and vertical motion
-      type(case_t) :: case
-      type(stepping_t) :: wall
-      type(wall_element_t) :: element
-      type(element_response_t) :: response
-      type(wall_state_t) :: state
-      type(wall_forces_t) :: forces
-      type(error_t), allocatable :: error
-      integer :: side
-
-      case = record_scene('dop853')
-      case%wall%m_w = 2.0e4_wp
-      if (has_corners) then
-         case%damper = devices_t(c=[3.0_wp, 3.0_wp])
-         case%inerter = inerter_t(1.5_wp)
-         allocate (case%upward)
-         case%upward%ratio = 0.65_wp
-      end if
-      call create_element(element, case, error)
-      call create_stepping(wall, case, error)
-      call advance_stepping(wall, case%record%t(:100), case%record%a(:100), error)
-      call query_state(wall, state, error)
-      call query_forces(wall, forces, error)
-      side = merge(1, -1, state%theta > 0)
-      call respond(element, side, state%u_s, state%u_s_dot, state%u_s_ddot, case%record%a(100), &
-         response, error)
-      call checks%no_error(error, 'forces')
-      call checks%that(abs(state%theta) > 1.0e-4_wp, 'the wall rocks')
-      call checks%close_to(forces%link, -response%force, 'link force', 1.0e-10_wp)
-      call checks%close_to(forces%cable, response%cable, 'cable force', 1.0e-12_wp)
-      call checks%close_to(response%theta, state%theta, 'rotation', 1.0e-12_wp)
-      call destroy_stepping(wall)
-   end subroutine test_forces
-
-   !> An invalid call returns an error and changes nothing.
-   subroutine test_bad_calls()
-      type(case_t) :: case
-      type(stepping_t) :: wall
-      type(stepping_t) :: other
-      type(snapshot_t) :: snapshot
-      type(wall_state_t) :: before
-      type(wall_state_t) :: after
-      type(error_t), allocatable :: error
-      real(wp) :: nan
-
-      nan = ieee_value(1.0_wp, ieee_quiet_nan)
-      case = record_scene('dop853')
-      call create_stepping(wall, case, error)
-      call advance_stepping(wall, case%record%t(:80), case%record%a(:80), error)
-      call query_state(wall, before, error)
-      call create_stepping(wall, case, error)
-      call checks%has_error(error, err_input, 'destroy it first', 'create twice')
-      call restore_stepping(wall, snapshot, error)
-      call checks%has_error(error, err_input, 'nothing was saved', 'empty snapshot')
-      call advance_stepping(wall, 0.5_wp, error)
-      call checks%has_error(error, err_input, 'cannot advance to t = 0.5', 'backwards')
-      call advance_stepping(wall, nan, error)
-      call checks%has_error(error, err_input, 'not a finite', 'time that is no number')
-      call advance_stepping(wall, 1.0e11_wp, error)
-      call checks%has_error(error, err_input, 'allowed are times', 'time that never comes')
-      call advance_stepping(wall, [before%t, 1.0e11_wp], [0.0_wp, 0.0_wp], error)
-      call checks%has_error(error, err_input, 'too large', 'the same in samples')
-      call advance_stepping(wall, [before%t, 2.0_wp], [0.0_wp, nan], error)
-      call checks%has_error(error, err_input, 'not a finite', 'motion that is no number')
-      call advance_stepping(wall, [before%t, 2.0_wp], [0.0_wp], error)
-      call checks%has_error(error, err_input, 'as many', 'lengths that differ')
-      call advance_stepping(wall, [before%t], [0.0_wp], error)
-      call checks%has_error(error, err_input, 'two or more', 'one sample')
-      call advance_stepping(wall, [before%t, before%t], [0.0_wp, 0.0_wp], error)
-      call checks%has_error(error, err_input, 'increase strictly', 'times that stand')
-      call advance_stepping(wall, [1.0_wp, 2.0_wp], [0.0_wp, 0.0_wp], error)
-      call checks%has_error(error, err_input, 'the present time', 'another time')
-      case%frame%gamma = 6
-      call create_stepping(other, case, error)
-      call save_stepping(other, snapshot, error)
-      call restore_stepping(wall, snapshot, error)
-      call checks%has_error(error, err_input, 'another wall', 'snapshot of another wall')
-      call destroy_stepping(other)
-      call query_state(wall, after, error)
-      call checks%that(same_bits([before%t, before%theta, before%theta_dot, before%theta_ddot], &
-         [after%t, after%theta, after%theta_dot, after%theta_ddot]), 'bad calls change nothing')
-      call destroy_stepping(wall)
-      call destroy_stepping(wall)
-      call advance_stepping(wall, 9.0_wp, error)
-      call checks%has_error(error, err_input, 'destroyed', 'use after destroy')
-      deallocate (case%frame%T_s)
-      call create_stepping(wall, case, error)
-      call checks%has_error(error, err_input, 'T_s is missing', 'no period')
-   end subroutine test_bad_calls
 
    !> A failure of the integration restores the state before the call; the host may then continue.
    subroutine test_failure_takes_back()

@@ -21,9 +21,6 @@ program test_record
    if (checks%wants('uneven_times')) call test_uneven_times()
    if (checks%wants('units')) call test_units()
    if (checks%wants('at2_dialects')) call test_at2_dialects()
-   if (checks%wants('keys')) call test_keys()
-   if (checks%wants('bad_columns')) call test_bad_columns()
-   if (checks%wants('bad_at2')) call test_bad_at2()
    if (checks%wants('files')) call test_files()
    call checks%finish()
 
@@ -108,45 +105,6 @@ contains
       end do
    end subroutine test_at2_dialects
 
-   !> `dt` and `unit` are required or refused, depending on the format.
-   subroutine test_keys()
-      character(*), parameter :: at2 = title//'4 0.01 NPTS, DT'//nl//numbers
-
-      call refuse('1'//nl//'2', 'needs the key dt', unit='g')
-      call refuse('1'//nl//'2', 'needs the key unit', dt=0.01_wp)
-      call refuse('1 2'//nl//'2 3', 'dt must not be given', dt=0.01_wp, unit='g')
-      call refuse('1 2'//nl//'2 3', 'needs the key unit')
-      call refuse(at2, 'dt must not be given', dt=0.01_wp)
-      call refuse(at2, 'unit must not be given', unit='g')
-   end subroutine test_keys
-
-   subroutine test_bad_columns()
-      call refuse('1'//nl//'nan'//nl//'2', "line 2: 'nan' is not a finite number")
-      call refuse('NaN'//nl//'1'//nl//'2', "line 1: 'NaN'")
-      call refuse('1'//nl//'****'//nl//'2', "line 2: '****'")
-      call refuse('1'//nl//'1.0abc', "'1.0abc' is not a finite number")
-      call refuse('1'//nl//'1e999', "'1e999' is not a finite number")
-      call refuse('a header'//nl//'and another'//nl//'1'//nl//'2', "line 2: 'and'")
-      call refuse('1 2'//nl//'3', 'line 2: 1 columns where the lines before have 2')
-      call refuse('1 2 3', 'more than two columns')
-      call refuse('0 1'//nl//'0 2', 'times must increase strictly')
-      call refuse('0 1'//nl//'-1 2', 'times must increase strictly')
-      call refuse('header only', 'no numbers')
-      call refuse(' ', 'no numbers')
-      call refuse('1', 'at least 2 samples')
-   end subroutine test_bad_columns
-
-   subroutine test_bad_at2()
-      call refuse(title//'5 0.01 NPTS, DT'//nl//numbers, '4 numbers where its header says NPTS = 5')
-      call refuse(title//'3 0.01 NPTS, DT'//nl//numbers, 'line 6: more numbers than NPTS = 3')
-      call refuse(title//'4 0.01 NPTS, DT'//nl//'1 2'//nl//'x 3 4', "line 6: 'x'")
-      call refuse(title//'4 0.01 NPTS, DT'//nl//'1 2 nan 4', "'nan' is not a finite number")
-      call refuse(title//'NPTS= four, DT= .01'//nl//numbers, 'does not give NPTS > 0 and DT > 0')
-      call refuse(title//'NPTS= 4, DT= 0'//nl//numbers, 'does not give NPTS > 0 and DT > 0')
-      call refuse('VELOCITY IN UNITS OF CM/S'//nl//'4 0.01 NPTS, DT'//nl//numbers, &
-         'names another quantity')
-   end subroutine test_bad_at2
-
    subroutine test_files()
       type(error_t), allocatable :: error
       type(record_t) :: record
@@ -158,18 +116,5 @@ contains
       call read_record('/dev/zero', scale=1.0_wp, g=g, record=record, error=error)
       call checks%has_error(error, err_input, 'file', 'a device')
    end subroutine test_files
-
-   subroutine refuse(text, message, dt, unit)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: message
-      !! required part of the message
-      real(wp), intent(in), optional :: dt
-      character(*), intent(in), optional :: unit
-      type(error_t), allocatable :: error
-      type(record_t) :: record
-
-      call parse_record(text, dt, unit, 1.0_wp, g, record, error)
-      call checks%has_error(error, err_input, message, 'refused: '//message)
-   end subroutine refuse
 
 end program test_record

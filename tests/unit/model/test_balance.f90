@@ -6,28 +6,19 @@ program test_balance
       pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
       uneven_storeys, with_inerter, with_tendon, yielding_storeys
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_equation, only: ground, vertical_ground
+   use rwmf_model_equation, only: ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: load_to, plastic_parts
    use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_lanes, only: of_viscous, power_count
    use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       kinematics_at, rates_at, second_derivative
    use rwmf_model_system_demands, only: building_of, building_t, links_of
-   use rwmf_model_system_demands_loop, only: demand_constants, lane_demands, section_terms, &
-      sections
-   use rwmf_model_system_energy, only: powers_at
-   use rwmf_model_system_reactions, only: cable_force, corner_force, friction_demand, &
-      link_force, reactions_at, reactions_t
-   use rwmf_model_system_reactions_loop, only: demand, lane_reactions, low_normal, &
-      reaction_count, shear_of_base => shear
+   use rwmf_model_system_reactions, only: cable_force, corner_force, link_force, reactions_at, &
+      reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_case, only: case_t
    use rwmf_problem_shear_frame, only: damping_matrix
-   use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
-      put_constants
-   use rwmf_simulation_recorder_peak_search, only: search_state
    implicit none
 
    real(wp), parameter :: t = 0.3_wp
@@ -65,9 +56,6 @@ program test_balance
    call check_balance(uneven_storeys(), 'every floor, storeys that yield one by one')
    call check_balance(linked_storeys('full'), 'all modes, link')
    call check_balance(linked_storeys('reduced'), 'one mode, link')
-   call check_bare_frame(storeys('full', 'exact'), 'all modes without wall')
-   call check_bare_frame(hysteretic('exact'), 'single mass without wall')
-   if (checks%wants('damper_power')) call check_damper_power()
    call checks%finish()
 
 contains
@@ -116,8 +104,6 @@ contains
                + damper)) - frame_shear(equation, case, y)
             call checks%close_to(reactions%base_shear, shear, 'base shear, '//name, &
                atol=round_off*equation%p%g*(1 + equation%p%gamma))
-            if (equation%parts%is_complete) call check_loop(equation, y, reactions, name)
-            call check_demands(case, equation, y, name)
             call check_base(equation, case, y, reactions, damper, name)
          end do
       end do
@@ -157,103 +143,6 @@ contains
       call checks%close_to(inside(2), outside(2), words, atol=round_off*equation%p%g &
          *equation%p%R*(1 + equation%p%gamma))
    end subroutine check_base
-
-   !> Compare the reactions of the loop over lanes, computed from moments only, with the scalar
-   !> reactions.
-   subroutine check_loop(equation, y, reactions, name)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      type(reactions_t), intent(in) :: reactions
-      character(*), intent(in) :: name
-      real(wp) :: acceleration(1, 2), found(1, reaction_count)
-
-      acceleration(1, :) = [ground(equation, t), 0.0_wp]
-      if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
-      call lane_reactions(equation%parts, equation%state%coef, reshape(y, [1, size(y)]), &
-         acceleration, found)
-      call checks%close_to(found(1, low_normal), -reactions%normal, 'N of the loop, '//name, &
-         rtol=round_off)
-      call checks%close_to(abs(found(1, demand)), friction_demand(reactions), 'demand of the ' &
-         //'loop, '//name, rtol=10*round_off)
-      call checks%close_to(found(1, shear_of_base), reactions%base_shear, 'shear of the ' &
-         //'loop, '//name, rtol=10*round_off)
-   end subroutine check_loop
-
-   !> Compare the demands of the loop over lanes with those of the scalar procedures.
-   subroutine check_demands(case, equation, y, name)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      character(*), intent(in) :: name
-      type(case_t) :: asking
-      type(demand_recorder_t), allocatable :: recorder
-      real(wp) :: acceleration(1, 2), y_dot(size(y))
-      real(wp), allocatable :: found(:, :), constants(:, :)
-      integer :: q
-
-      asking%structure_t = case%structure_t
-      asking%output = output_t(energy=.false., demands=.true.)
-      call create_demands(recorder, asking, equation, y)
-      associate (demands => recorder%list)
-         if (.not. equation%parts%is_complete) return
-         if (demands%drifts > 0 .and. equation%floors%n == 0) return
-         call rates_at(equation, t, y, y_dot)
-         call search_state(recorder, equation, t, y, y_dot)
-         acceleration(1, :) = [ground(equation, t), 0.0_wp]
-         if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
-         allocate (found(1, reaction_count + size(recorder%largest) + sections*section_terms))
-         allocate (constants(1, demand_constants(demands)))
-         call put_constants(recorder, constants(1, :))
-         call lane_demands(equation%parts, demands, constants, equation%state%coef, &
-            reshape(y, [1, size(y)]), acceleration, found)
-      end associate
-      associate (n => reaction_count + size(recorder%largest))
-         ! the last two are magnitudes, and -1 without a wall
-         found(1, reaction_count + 1:n - sections) = abs(found(1, reaction_count + 1:n - sections))
-         do q = reaction_count + 1, n
-            call checks%close_to(found(1, q), recorder%largest(q - reaction_count), &
-               'demand of the loop, '//name, rtol=1.0e-11_wp)
-         end do
-         if (.not. equation%has_wall) return
-         call check_coefficients(found(1, n - 1), found(1, n + 1:n + section_terms), &
-            'shear, '//name)
-         call check_coefficients(found(1, n), found(1, n + section_terms + 1:), 'moment, '//name)
-      end associate
-   end subroutine check_demands
-
-   !> Check that the coefficients of a section force enclose its maximum along the wall, and that
-   !> the first and the last are its values at both ends.
-   subroutine check_coefficients(largest, c, name)
-      real(wp), intent(in) :: largest
-      !! [m/s2] or [m2/s2], as the coefficients
-      real(wp), intent(in) :: c(:)
-      character(*), intent(in) :: name
-
-      call checks%that(largest <= maxval(abs(c))*(1 + round_off), 'coefficients enclose '//name)
-      call checks%that(largest >= max(abs(c(1)), abs(c(size(c))))*(1 - round_off), &
-         'ends of '//name)
-   end subroutine check_coefficients
-
-   !> Compare the demands of the loop over lanes with the scalar ones for a case without wall.
-   subroutine check_bare_frame(case, name)
-      type(case_t), intent(in) :: case
-      character(*), intent(in) :: name
-      type(case_t) :: bare
-      type(motion_t), target :: motion
-      type(equation_t) :: equation
-      real(wp), allocatable :: y(:)
-      integer :: j
-
-      if (.not. checks%wants('bare')) return
-      bare = case
-      deallocate (bare%wall)
-      if (allocated(bare%cable)) deallocate (bare%cable)
-      motion = motion_from_case(bare)
-      call build_equation(bare, motion, equation)
-      call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
-      y = [0.02_wp, 0.3_wp, (0.01_wp*j, j=3, equation%n)]
-      call check_demands(bare, equation, y, name)
-   end subroutine check_bare_frame
 
    !> Clockwise moment about the centroid of a force at a point in space.
    real(wp) function turn(point, force, equation, y)
@@ -529,30 +418,5 @@ contains
       kin = kinematics_at(equation, -phi, -1)
       u = kin%u
    end function kinematic_u
-
-   !> Compare force times velocity at the lifting corner with the dissipated power of the damper.
-   subroutine check_damper_power()
-      type(case_t) :: case
-      type(motion_t), target :: motion
-      type(equation_t) :: equation
-      real(wp), parameter :: y(2) = [0.2_wp, 0.7_wp]
-      real(wp), parameter :: step = 1.0e-6_wp
-      real(wp) :: force(2)
-      real(wp) :: velocity(2)
-      real(wp) :: power(power_count), others(power_count)
-
-      case = damped()
-      motion = motion_from_case(case)
-      call build_equation(case, motion, equation)
-      force = corner_force(equation, y, 0.0_wp)
-      velocity = (lifting_corner(equation, y + step) - lifting_corner(equation, y - step)) &
-         /(2*step)*y(2)
-      call powers_at(equation, t, y, power)
-      deallocate (case%damper)
-      call build_equation(case, motion, equation)
-      call powers_at(equation, t, y, others)
-      call checks%close_to(-sum(force*velocity), power(of_viscous) - others(of_viscous), &
-         'power of the damper', rtol=1.0e-9_wp)
-   end subroutine check_damper_power
 
 end program test_balance

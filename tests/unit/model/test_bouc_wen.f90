@@ -1,9 +1,8 @@
 !> Frames with the smooth hysteresis of Bouc and Wen: closed forms, limits, energy.
 program test_bouc_wen
    use check, only: checks_t
-   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_input_reader, only: read_case_text
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, virgin_displacement
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_simulate, only: simulate
@@ -15,16 +14,9 @@ program test_bouc_wen
 
    if (checks%wants('closed_forms')) call check_closed_forms()
    if (checks%wants('loading_on')) call check_loading_on()
-   if (checks%wants('first_loading')) call check_first_loading(1.0_wp, 'n = 1')
-   if (checks%wants('first_loading')) call check_first_loading(2.0_wp, 'n = 2')
-   if (checks%wants('unloading')) call check_unloading()
-   if (checks%wants('passage')) call check_passage(1.0_wp, 'n = 1')
-   if (checks%wants('passage')) call check_passage(2.0_wp, 'n = 2')
    if (checks%wants('natural_exponents')) call check_natural_exponents()
    if (checks%wants('passage_at_impact')) call check_passage_at_impact()
    if (checks%wants('standstill')) call check_standstill()
-   if (checks%wants('elastic_limit')) call check_elastic_limit()
-   if (checks%wants('refusals')) call check_refusals()
    call checks%finish()
 
 contains
@@ -92,141 +84,6 @@ contains
       end do
    end subroutine check_loading_on
 
-   !> Check the first loading: while u grows, z depends on u/u_y only. It is 1 - exp(-x) for n = 1
-   !> and tanh(x) for n = 2.
-   subroutine check_first_loading(exponent, name)
-      real(wp), intent(in) :: exponent
-      character(*), intent(in) :: name
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      real(wp) :: x
-
-      case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponent, 0.6_wp)
-      case%motion%a_max_g = -case%motion%a_max_g
-      case%solver%t_end = 0.3_wp
-      case%solver%rtol = 1.0e-11_wp
-      call simulate(case, result, error)
-      call checks%no_error(error, 'first loading')
-      x = result%final_state(1)/case%yielding%u_y
-      call checks%that(x > 0.5_wp .and. result%final_state(2) > 0, 'still loading, '//name)
-      if (exponent > 1) then
-         call checks%close_to(result%final_state(3), tanh(x), 'first loading, '//name, &
-            rtol=1.0e-9_wp)
-      else
-         call checks%close_to(result%final_state(3), 1 - exp(-x), 'first loading, '//name, &
-            rtol=1.0e-9_wp)
-      end if
-      call check_residual(x, result%residual_displacement/case%yielding%u_y, exponent, name)
-   end subroutine check_first_loading
-
-   !> Check slow unloading from the first loading, with hardening 0.1 and beta = 0.6. z falls to
-   !> zero at x_0, then follows the first loading up to 0.1 x + 0.9 z = 0.
-   subroutine check_residual(x, rest, exponent, name)
-      real(wp), intent(in) :: x
-      !! displacement over u_y [-]
-      real(wp), intent(in) :: rest
-      !! residual displacement over u_y [-]
-      real(wp), intent(in) :: exponent
-      character(*), intent(in) :: name
-      real(wp), parameter :: c = 2*0.6_wp - 1
-      real(wp) :: x_0, z
-
-      if (exponent > 1) then
-         x_0 = x - atan(sqrt(c)*tanh(x))/sqrt(c)
-         z = -tanh(x_0 - rest)
-      else
-         x_0 = x - log(1 + c*(1 - exp(-x)))/c
-         z = exp(rest - x_0) - 1
-      end if
-      call checks%that(x_0 > rest .and. rest > 0, 'z changes its sign, '//name)
-      call checks%close_to(0.1_wp*rest, -0.9_wp*z, 'residual displacement, '//name, &
-         rtol=1.0e-8_wp)
-   end subroutine check_residual
-
-   !> Check unloading from the peak for n = 2. Until z changes its sign, dz/dx = 1 + (2 beta - 1)
-   !> z**2. With c = sqrt(2 beta - 1), arctan(c z)/c therefore differs from its value at the peak by
-   !> x - x_peak.
-   subroutine check_unloading()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      real(wp), parameter :: c = 1/sqrt(2.0_wp)
-      !! for beta = 3/4
-      real(wp) :: t_peak
-      real(wp) :: peak(3)
-
-      case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, 2.0_wp, 0.75_wp)
-      case%motion%a_max_g = -case%motion%a_max_g
-      case%solver%rtol = 1.0e-11_wp
-      case%solver%t_end = 0.635_wp
-      call simulate(case, result, error)
-      call checks%no_error(error, 'unloading')
-      t_peak = result%t_u_s_max
-      call checks%that(t_peak < 0.6_wp .and. result%final_state(2) < 0 &
-         .and. result%final_state(3) > 0, 'unloading')
-      case%solver%t_end = t_peak
-      associate (x => result%final_state(1)/case%yielding%u_y, z => result%final_state(3))
-         block
-            type(result_t) :: at_peak
-
-            call simulate(case, at_peak, error)
-            peak = at_peak%final_state
-         end block
-         call checks%close_to(atan(c*z)/c - atan(c*peak(3))/c, x - peak(1)/case%yielding%u_y, &
-            'unloading', rtol=1.0e-8_wp)
-      end associate
-   end subroutine check_unloading
-
-   !> Check the passage of z through zero, where the law has a corner and every method starts a new
-   !> piece of motion. Beyond the zero after the first peak, z(u) is known; the result agrees within
-   !> a few tolerances.
-   subroutine check_passage(exponent, name)
-      real(wp), intent(in) :: exponent
-      character(*), intent(in) :: name
-      character(6), parameter :: methods(4) = [character(6) :: 'adams', 'bdf', 'taylor', 'dop853']
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      integer :: i
-
-      case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponent, 0.75_wp)
-      case%motion%a_max_g = -case%motion%a_max_g
-      case%solver%rtol = 1.0e-7_wp
-      case%solver%t_end = 0.8_wp
-      do i = 1, size(methods)
-         case%solver%method = trim(methods(i))
-         call simulate(case, result, error)
-         call checks%no_error(error, 'passage')
-         associate (x => result%final_state(1)/case%yielding%u_y, z => result%final_state(3))
-            call checks%that(result%final_state(2) < 0 .and. z < -0.3_wp, 'beyond the passage')
-            call checks%close_to(z, beyond_zero(exponent, result%u_s_max/case%yielding%u_y, x), &
-               'passage, '//name//', '//trim(methods(i)), atol=4.0e-7_wp)
-         end associate
-      end do
-   end subroutine check_passage
-
-   !> Value of z beyond its first zero after the first peak, for beta = 3/4.
-   pure real(wp) function beyond_zero(exponent, x_peak, x) result(z)
-      real(wp), intent(in) :: exponent
-      real(wp), intent(in) :: x_peak
-      !! u/u_y at the peak [-]
-      real(wp), intent(in) :: x
-      !! u/u_y [-]
-      real(wp) :: c
-      real(wp) :: x_zero
-
-      if (exponent > 1) then
-         c = sqrt(0.5_wp)
-         x_zero = x_peak - atan(c*tanh(x_peak))/c
-         z = tanh(x - x_zero)
-      else
-         c = 0.5_wp
-         x_zero = x_peak - log(1 + c*(1 - exp(-x_peak)))/c
-         z = exp(x - x_zero) - 1
-      end if
-   end function beyond_zero
-
    !> Compare small integer exponents, computed by products, with neighbouring exponents, computed
    !> by powers.
    subroutine check_natural_exponents()
@@ -289,41 +146,5 @@ contains
       call checks%no_error(error, 'standstill')
       call checks%that(result%steps < 1000, 'a frame that stands still takes few steps')
    end subroutine check_standstill
-
-   !> Compare the limit u_y -> infinity with the scene without the group.
-   subroutine check_elastic_limit()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: elastic
-      type(error_t), allocatable :: error
-
-      case = hysteretic(rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853'), 1.0e9_wp, 0.1_wp, 2.0_wp, &
-         0.5_wp)
-      call simulate(case, result, error)
-      call checks%no_error(error, 'elastic limit')
-      deallocate (case%yielding)
-      call simulate(case, elastic, error)
-      call checks%close_to(result%u_s_max, elastic%u_s_max, 'elastic limit', rtol=1.0e-9_wp)
-   end subroutine check_elastic_limit
-
-   !> Check that incompatible inputs are refused.
-   subroutine check_refusals()
-      character(*), parameter :: scene = '&wall h = 3, b = 1 / &solver t_end = 1 / ' &
-         //'&frame T_s = 1, gamma = 5, xi_s = 0 /'
-
-      call refuse(scene//'&yielding u_y = 0.1, exponent = 3 /', "belongs to law = 'bouc_wen'")
-      call refuse(scene//'&yielding u_y = 0.1, law = ''bouc_wen'', beta = 0.2 /', &
-         'must be a number in [0.5, 1]')
-   end subroutine check_refusals
-
-   subroutine refuse(text, message)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: message
-      type(case_t) :: case
-      type(error_t), allocatable :: error
-
-      call read_case_text(text, '', case, error)
-      call checks%has_error(error, err_input, message, message)
-   end subroutine refuse
 
 end program test_bouc_wen

@@ -1,17 +1,16 @@
-!> Equation of motion compared with the printed coefficients and its other forms.
+!> Equation of motion compared with the printed coefficients, and the truss law.
 program test_equation
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: cable_at, cable_state_t
    use rwmf_model_hysteresis_spring_set, only: elements_energy
-   use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, &
-      equation_t, interval_of, kinematics_at, second_derivative
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      interval_of, second_derivative
    use rwmf_paper_coefficients, only: coefficients_a, coefficients_b
    use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
-   use scenes, only: block_scene, rwmf_scene
+   use scenes, only: rwmf_scene
    implicit none
 
    real(wp), parameter :: t = 0.3_wp
@@ -19,9 +18,6 @@ program test_equation
    type(checks_t) :: checks
 
    if (checks%wants('printed_coefficients')) call check_printed_coefficients()
-   if (checks%wants('published_form')) call check_published_form()
-   if (checks%wants('displacement_form')) call check_displacement_form()
-   if (checks%wants('reductions')) call check_reductions()
    if (checks%wants('truss')) call check_truss()
    call checks%finish()
 
@@ -106,82 +102,6 @@ contains
       call enter_side(equation%model_t, equation%state, side)
       call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
    end subroutine build
-
-   !> Compare A_i and B_i with the general form with its lever arm.
-   subroutine check_published_form()
-      type(motion_t), target :: motion
-      type(equation_t) :: equation
-      type(kinematics_t) :: kin
-      type(cable_state_t) :: cable
-      real(wp) :: y(2)
-      real(wp) :: expected
-      integer :: side
-
-      do side = -1, 1, 2
-         call build(rwmf_scene('published', 5.0_wp, 1.0_wp, 'adams'), motion, side, equation)
-         y = side*[0.06_wp, -0.4_wp]
-         kin = kinematics_at(equation, y(1))
-         cable = cable_at(equation, y(1))
-         associate (p => equation%p, f => side*acceleration(motion, interval_of(equation), t))
-            expected = -side*(p%gamma*kin%lever*(kin%k*y(2)**2 + p%omega_s**2*kin%u &
-               + 2*p%xi_s*p%omega_s*kin%j*side*y(2)) + (p%gamma*kin%lever + kin%c)*f/p%R &
-               + p%g/p%R*(kin%s + cable%moment))/(4.0_wp/3 + p%gamma*kin%lever*kin%j)
-         end associate
-         call checks%close_to(second_derivative(equation, t, y), expected, &
-            'Eq. (15) equals the general form', rtol=1.0e-13_wp)
-      end do
-   end subroutine check_published_form
-
-   !> Check the equation in the unknown v = |u_s|/(2R) (docs/theory/theory.md).
-   subroutine check_displacement_form()
-      type(motion_t), target :: motion
-      type(equation_t) :: equation
-      real(wp) :: y(2)
-      real(wp) :: angle, c, s, v, v_dot, v_ddot, f, q
-
-      call build(rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'adams'), motion, -1, equation)
-      y = [-0.06_wp, 0.4_wp]
-      associate (p => equation%p)
-         angle = p%alpha - abs(y(1))
-         c = cos(angle)
-         s = sin(angle)
-         v = sin(p%alpha) - s
-         v_dot = c*(-y(2))
-         f = -acceleration(motion, interval_of(equation), t)
-         q = p%eta_0 + (p%eta_alpha - p%eta_0)*abs(y(1))/p%alpha
-         v_ddot = (4.0_wp/3*s*v_dot**2/c**4 - 8*p%gamma*p%omega_s*p%xi_s*v_dot &
-            - 4*p%gamma*p%omega_s**2*v - (2*p%gamma + 1)/p%R*f &
-            - p%g/p%R*(s + q*sin(p%alpha))/c)/(4*p%gamma + 4/(3*c**2))
-         ! v'' = c phi'' + s phi'**2
-         call checks%close_to(second_derivative(equation, t, y), -(v_ddot - s*y(2)**2)/c, &
-            'theta form equals the u_s form', rtol=1.0e-13_wp)
-      end associate
-   end subroutine check_displacement_form
-
-   !> Compare the equation without frame with Eq. (11), and with that for gamma = 0.
-   subroutine check_reductions()
-      type(motion_t), target :: motion
-      type(motion_t), target :: other
-      type(equation_t) :: with_frame
-      type(equation_t) :: without
-      type(case_t) :: case
-      real(wp) :: y(2)
-
-      case = rwmf_scene('symmetric', 0.0_wp, 1.0_wp, 'adams')
-      call build(case, motion, 1, with_frame)
-      deallocate (case%frame)
-      call build(case, other, 1, without)
-      y = [0.05_wp, -0.3_wp]
-      call checks%close_to(second_derivative(without, t, y), &
-         second_derivative(with_frame, t, y), 'no frame equals gamma = 0', rtol=1.0e-13_wp)
-      call build(block_scene('adams'), other, -1, without)
-      y = [-0.05_wp, -0.3_wp]
-      associate (p => without%p, a => acceleration(other, interval_of(without), t))
-         call checks%close_to(second_derivative(without, t, y), &
-            -0.75_wp/p%R*(a*cos(-p%alpha - y(1)) + p%g*sin(-p%alpha - y(1))), 'Eq. (12b)', &
-            rtol=1.0e-13_wp)
-      end associate
-   end subroutine check_reductions
 
    !> Check the truss law: it keeps P(0) and P(alpha), and its moment is the derivative of its
    !> energy.

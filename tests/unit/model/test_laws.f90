@@ -1,11 +1,10 @@
-!> Laws of springs other than the bilinear one, along random paths against separate return mappings,
-!> and against closed forms, point by point.
+!> Springs that lose strength, against closed forms, point by point; laws along mirrored paths.
 program test_laws
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_spring_laws, only: loading_direction, new_branch, new_spring, &
-      pass_limit, spring_energy, spring_force, spring_limits, spring_loss, spring_plastic, &
-      spring_residual, turn_spring
+      pass_limit, spring_energy, spring_force, spring_limits, spring_loss, spring_residual, &
+      turn_spring
    use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_problem_case, only: spring_law_t
    implicit none
@@ -15,12 +14,6 @@ program test_laws
    real(wp), parameter :: f_y = k*u_y
    type(checks_t) :: checks
 
-   if (checks%wants('friction')) call check_friction(0.0_wp)
-   if (checks%wants('friction')) call check_friction(0.1_wp)
-   if (checks%wants('friction')) call check_friction(-0.05_wp)
-   if (checks%wants('flag')) call check_flag(0.0_wp, 1.0_wp)
-   if (checks%wants('flag')) call check_flag(0.1_wp, 0.6_wp)
-   if (checks%wants('flag_cycle')) call check_flag_cycle()
    if (checks%wants('envelope')) call check_envelope()
    if (checks%wants('peak_oriented')) call check_peak_oriented()
    if (checks%wants('wear')) call check_wear()
@@ -63,136 +56,6 @@ contains
       ! the amplitude grows, so that small and large loops occur
       way = [(way(n)*(0.2_wp + 0.8_wp*n/size(way)), n=1, size(way))]
    end subroutine make_way
-
-   !> Check friction with a breakaway force of 1.3 times the sliding force, against a return
-   !> mapping. The steps are so short that each has at most one breakaway. Stored and dissipated
-   !> energy sum to the work.
-   subroutine check_friction(hardening)
-      real(wp), intent(in) :: hardening
-      real(wp), parameter :: breakaway = 1.3_wp
-      type(spring_t) :: spring
-      type(branch_t) :: branch
-      real(wp) :: way(100), x, to, p, modulus, excess, work, force, worst, worst_balance
-      integer, parameter :: steps = 1000
-      integer :: n, sliding, i
-
-      call make_way(way)
-      spring = new_spring(k, f_y, hardening, law=spring_law_t('friction', breakaway=breakaway))
-      branch = new_branch(spring)
-      modulus = hardening*k/(1 - hardening)
-      x = 0
-      p = 0
-      sliding = 0
-      work = 0
-      worst = 0
-      worst_balance = 0
-      do n = 1, size(way)
-         ! the slider sticks at a turning point
-         if (sliding*(way(n) - x) < 0) sliding = 0
-         do i = 1, steps
-            to = way(n)
-            if (i < steps) to = x + (way(n) - x)/(steps - i + 1)
-            force = k*(x - p)
-            call move(spring, branch, x, to)
-            if (sliding == 0) then
-               excess = k*(to - p) - modulus*p
-               if (abs(excess) > breakaway*f_y) sliding = int(sign(1.0_wp, excess))
-               if (sliding /= 0) then
-                  ! up to the breakaway, and from there on
-                  associate (x_go => p + (sliding*breakaway*f_y + modulus*p)/k)
-                     work = work + (force + k*(x_go - p))/2*(x_go - x)
-                     p = (k*x_go - sliding*f_y)/(k + modulus)
-                     force = k*(x_go - p)
-                     x = x_go
-                  end associate
-               end if
-            end if
-            if (sliding /= 0) p = (k*to - sliding*f_y)/(k + modulus)
-            work = work + (force + k*(to - p))/2*(to - x)
-            x = to
-            if (i < steps) cycle
-            worst = max(worst, abs(spring_force(spring, branch, x) - k*(x - p)), &
-               abs(spring_plastic(spring, branch, x) - p))
-            worst_balance = max(worst_balance, abs(work - spring_energy(spring, branch, x) &
-               - spring_loss(spring, branch, x)))
-         end do
-      end do
-      call checks%close_to(worst, 0.0_wp, 'friction, return mapping', atol=1.0e-12_wp)
-      call checks%close_to(worst_balance, 0.0_wp, 'friction, energy', atol=1.0e-10_wp)
-   end subroutine check_friction
-
-   !> Check a flag-shaped law: the elastic trial force, limited to the band between its two lines;
-   !> work in short steps.
-   subroutine check_flag(hardening, height)
-      real(wp), intent(in) :: hardening
-      real(wp), intent(in) :: height
-      integer, parameter :: steps = 2000
-      type(spring_t) :: spring
-      type(branch_t) :: branch
-      real(wp) :: way(100), x, to, force, trial, work, worst, worst_balance
-      integer :: n, i
-
-      call make_way(way)
-      spring = new_spring(k, f_y, hardening, law=spring_law_t('flag', flag_height=height))
-      branch = new_branch(spring)
-      x = 0
-      force = 0
-      work = 0
-      worst = 0
-      worst_balance = 0
-      do n = 1, size(way)
-         call move(spring, branch, x, way(n))
-         do i = 1, steps
-            to = way(n)
-            if (i < steps) to = x + (way(n) - x)/(steps - i + 1)
-            trial = force + k*(to - x)
-            trial = max(line(min(to, 0.0_wp), hardening, 1.0_wp) &
-               + line(max(to, 0.0_wp), hardening, 1 - height), &
-               min(trial, line(max(to, 0.0_wp), hardening, 1.0_wp) &
-               + line(min(to, 0.0_wp), hardening, 1 - height)))
-            work = work + (force + trial)/2*(to - x)
-            force = trial
-            x = to
-         end do
-         worst = max(worst, abs(spring_force(spring, branch, x) - force))
-         worst_balance = max(worst_balance, abs(work - spring_energy(spring, branch, x) &
-            - spring_loss(spring, branch, x)))
-      end do
-      call checks%close_to(worst, 0.0_wp, 'flag, return mapping', atol=1.0e-12_wp)
-      ! corners lie inside the short steps
-      call checks%close_to(worst_balance, 0.0_wp, 'flag, energy', atol=1.0e-5_wp)
-      call checks%close_to(spring_residual(spring, branch, x), 0.0_wp, 'a flag comes back')
-   end subroutine check_flag
-
-   !> Line of a flag that begins at a share of the yield force.
-   pure real(wp) function line(x, hardening, share)
-      real(wp), intent(in) :: x
-      real(wp), intent(in) :: hardening
-      real(wp), intent(in) :: share
-
-      line = k*x
-      if (abs(line) > share*f_y) line = sign(share*f_y + hardening*(abs(line) - share*f_y), x)
-   end function line
-
-   !> Check the dissipation of a cycle from zero and back, and the energy stored at its peak.
-   subroutine check_flag_cycle()
-      real(wp), parameter :: a = 0.1_wp, h = 0.7_wp, x_m = 0.9_wp
-      type(spring_t) :: spring
-      type(branch_t) :: branch
-      real(wp) :: work
-
-      spring = new_spring(k, f_y, a, law=spring_law_t('flag', flag_height=h))
-      branch = new_branch(spring)
-      call move(spring, branch, 0.0_wp, x_m)
-      work = f_y*u_y/2 + (f_y + a*k*(x_m - u_y)/2)*(x_m - u_y)
-      call checks%close_to(spring_energy(spring, branch, x_m), work - h*f_y*(1 - a)*(x_m - u_y), &
-         'flag, stored at the peak', rtol=1.0e-13_wp)
-      call move(spring, branch, x_m, 0.0_wp)
-      call checks%close_to(spring_loss(spring, branch, 0.0_wp), h*f_y*(1 - a)*(x_m - u_y), &
-         'flag, a cycle', rtol=1.0e-13_wp)
-      call checks%close_to(spring_energy(spring, branch, 0.0_wp), 0.0_wp, 'flag, back at zero', &
-         atol=1.0e-15_wp)
-   end subroutine check_flag_cycle
 
    !> Spring of Ibarra, Medina and Krawinkler with the cap at 4 u_y, zero force 10 u_y beyond it,
    !> and a residual strength of one fifth.

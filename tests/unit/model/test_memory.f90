@@ -1,11 +1,7 @@
 !> Springs with memory, one by one along random paths and as part of a scene.
 program test_memory
    use check, only: checks_t
-   use rwmf, only: advance_stepping, create_stepping, destroy_stepping, query_forces, &
-      query_state, restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, &
-      wall_state_t
-   use rwmf_core_error, only: err_input, error_t
-   use rwmf_core_kinds, only: pi, wp
+   use rwmf_core_kinds, only: wp
    use rwmf_model_bilinear_spring, only: is_broken
    use rwmf_model_hysteresis_spring_laws, only: new_spring, pass_limit, spring_energy, &
       spring_force, spring_limits, spring_loss, spring_plastic, turn_spring
@@ -14,32 +10,17 @@ program test_memory
       second_derivative
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, devices_t
-   use rwmf_simulation_simulate, only: simulate
-   use rwmf_simulation_state_result, only: result_t
-   use scenes, only: frame_scene, rwmf_scene
+   use scenes, only: rwmf_scene
    implicit none
 
    real(wp), parameter :: k = 3
    real(wp), parameter :: yield = 0.6_wp
-   character(6), parameter :: methods(4) = [character(6) :: 'adams', 'bdf', 'taylor', 'dop853']
    type(checks_t) :: checks
-   integer :: i
 
-   if (checks%wants('cycle')) call check_cycle(0.0_wp)
-   if (checks%wants('cycle')) call check_cycle(0.25_wp)
    call check_way(new_spring(k, yield, 0.0_wp), 0.0_wp, 'elastic, perfectly plastic')
    call check_way(new_spring(k, yield, 0.1_wp), 0.1_wp, 'hardening')
-   if (checks%wants('tendon')) call check_tendon()
    if (checks%wants('rupture')) call check_rupture()
-   if (checks%wants('limits')) call check_limits()
    if (checks%wants('fuse_moment')) call check_fuse_moment()
-   if (checks%wants('frame_force')) call check_frame_force()
-   if (checks%wants('initial_beyond_yield')) call check_initial_beyond_yield()
-   do i = 1, size(methods)
-      if (checks%wants('rejected_step')) call check_rejected_step(trim(methods(i)))
-   end do
-   if (checks%wants('shear')) call check_shear()
-   if (checks%wants('other_wall')) call check_other_wall()
    call checks%finish()
 
 contains
@@ -74,24 +55,6 @@ contains
       end do
       dissipated = dissipated + spring_loss(spring, branch, x)
    end subroutine move
-
-   !> Check that a cycle between -x_max and x_max dissipates 4 F_y (x_max - x_y) (1 - hardening).
-   subroutine check_cycle(hardening)
-      real(wp), intent(in) :: hardening
-      real(wp), parameter :: x_max = 0.9_wp
-      type(spring_t) :: spring
-      type(branch_t) :: branch
-      real(wp) :: dissipated
-
-      spring = new_spring(k, yield, hardening)
-      dissipated = 0
-      call move(spring, branch, 0.0_wp, x_max, dissipated)
-      dissipated = 0
-      call move(spring, branch, x_max, -x_max, dissipated)
-      call move(spring, branch, -x_max, x_max, dissipated)
-      call checks%close_to(dissipated, 4*yield*(x_max - yield/k)*(1 - hardening), &
-         'dissipation of a cycle', rtol=1.0e-14_wp)
-   end subroutine check_cycle
 
    !> Check a path of random turning points. The force follows from a return mapping, an independent
    !> update of the plastic elongation. Work = stored + dissipated.
@@ -137,38 +100,6 @@ contains
       call checks%close_to(worst_balance, 0.0_wp, 'energy, '//name, atol=1.0e-11_wp)
    end subroutine check_way
 
-   !> Check that a tendon keeps its prestress loss, goes slack and is taut again at the same
-   !> elongation.
-   subroutine check_tendon()
-      type(spring_t) :: tendon
-      type(branch_t) :: branch
-      real(wp), parameter :: force_0 = 0.4_wp
-      real(wp), parameter :: x_max = 0.5_wp
-      real(wp) :: dissipated
-      real(wp) :: plastic
-      real(wp) :: limits(2)
-
-      tendon = new_spring(k, yield, 0.0_wp, force_0, is_tendon=.true.)
-      dissipated = 0
-      call move(tendon, branch, 0.0_wp, x_max, dissipated)
-      plastic = x_max - (yield - force_0)/k
-      call checks%close_to(dissipated, yield*plastic, 'tendon, dissipation', rtol=1.0e-14_wp)
-      call move(tendon, branch, x_max, 0.31_wp, dissipated)
-      call checks%close_to(spring_force(tendon, branch, 0.31_wp), force_0 + k*(0.31_wp - plastic), &
-         'tendon, unloading', rtol=1.0e-13_wp)
-      call move(tendon, branch, 0.31_wp, 0.0_wp, dissipated)
-      call checks%close_to(spring_force(tendon, branch, 0.0_wp), 0.0_wp, 'tendon, slack')
-      call checks%close_to(spring_energy(tendon, branch, 0.0_wp), -force_0**2/(2*k), &
-         'tendon, what the prestress had stored', rtol=1.0e-14_wp)
-      call spring_limits(tendon, branch, limits(1), limits(2))
-      call checks%close_to(limits(2), plastic - force_0/k, 'tendon, taut again', rtol=1.0e-13_wp)
-      call move(tendon, branch, 0.0_wp, 0.45_wp, dissipated)
-      call checks%close_to(spring_force(tendon, branch, 0.45_wp), force_0 + k*(0.45_wp - plastic), &
-         'tendon, loading again', rtol=1.0e-13_wp)
-      call checks%close_to(dissipated, yield*plastic, 'tendon, no more dissipation', &
-         rtol=1.0e-14_wp)
-   end subroutine check_tendon
-
    !> Check that a broken tendon carries no force and that its stored energy is dissipated.
    subroutine check_rupture()
       type(spring_t) :: tendon
@@ -186,83 +117,6 @@ contains
       call checks%close_to(dissipated, yield*(0.3_wp - 0.2_wp/k) + yield**2/(2*k), &
          'dissipation up to rupture, and what it held', rtol=1.0e-13_wp)
    end subroutine check_rupture
-
-   !> Scene of a wall and a frame with a tendon, fuses and a frame that yield.
-   function sprung(formulation, method) result(case)
-      character(*), intent(in) :: formulation
-      character(*), intent(in) :: method
-      type(case_t) :: case
-
-      case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, method)
-      case%cable%eta_y = [1.4_wp]
-      case%cable%hardening = [0.02_wp]
-      case%fuse = devices_t(eta_y=spread(0.4_wp, 1, 2), stroke_y=spread(0.004_wp, 1, 2), &
-         hardening=spread(0.05_wp, 1, 2))
-      allocate (case%yielding)
-      case%yielding%u_y = 0.05_wp
-      case%yielding%hardening = 0.1_wp
-   end function sprung
-
-   !> Compare springs that stay elastic, or that carry no force, with the scene without them.
-   subroutine check_limits()
-      type(case_t) :: case
-      type(result_t) :: limit
-      type(error_t), allocatable :: error
-      character(9), parameter :: formulations(2) = [character(9) :: 'symmetric', 'exact']
-      integer :: f
-
-      do f = 1, 2
-         case = rwmf_scene(trim(formulations(f)), 5.0_wp, 1.0_wp, 'dop853')
-         call simulate(case, limit, error)
-         case%cable%eta_y = [1.0e6_wp]
-         call compare(case, limit, 'a tendon too strong to yield')
-         case%cable%eta_y = [1.4_wp]
-         case%cable%hardening = [1 - 1.0e-12_wp]
-         call compare(case, limit, 'a tendon as stiff after yielding')
-         deallocate (case%cable%eta_y)
-         case%cable%hardening = [0.0_wp]
-         case%cable%rupture_strain = [1.0e3_wp]
-         call compare(case, limit, 'a tendon too tough to break')
-         deallocate (case%cable%rupture_strain)
-         case%fuse = devices_t(eta_y=spread(1.0e-13_wp, 1, 2), stroke_y=spread(0.01_wp, 1, 2), &
-            hardening=spread(0.0_wp, 1, 2))
-         call compare(case, limit, 'fuses without strength')
-         deallocate (case%fuse)
-         allocate (case%yielding)
-         case%yielding%u_y = 1.0e6_wp
-         call compare(case, limit, 'a frame too strong to yield')
-         case%yielding%u_y = 0.01_wp
-         case%yielding%hardening = 1 - 1.0e-12_wp
-         call compare(case, limit, 'a frame as stiff after yielding')
-      end do
-      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-      deallocate (case%cable)
-      call simulate(case, limit, error)
-      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-      case%cable%eta_0 = [0.0_wp]
-      case%cable%eta_y = [1.0e-300_wp]
-      call compare(case, limit, 'a tendon without strength')
-      case = rwmf_scene('published', 5.0_wp, 1.0_wp, 'dop853')
-      call simulate(case, limit, error)
-      allocate (case%yielding)
-      case%yielding%f_y_over_m_s_g = 1.0e6_wp
-      call compare(case, limit, 'published, a frame too strong to yield')
-   end subroutine check_limits
-
-   subroutine compare(case, limit, name)
-      type(case_t), intent(in) :: case
-      type(result_t), intent(in) :: limit
-      character(*), intent(in) :: name
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-
-      call simulate(case, result, error)
-      call checks%no_error(error, name)
-      if (allocated(error)) return
-      call checks%close_to(result%u_s_max, limit%u_s_max, name, rtol=1.0e-9_wp)
-      call checks%close_to(result%final_state(1), limit%final_state(1), name//', end', &
-         atol=1.0e-7_wp*limit%theta_max)
-   end subroutine compare
 
    !> Compare the moment of a fuse with its definition, on the side whose corner lifts. It is the
    !> force times the derivative of the chord 4b sin(phi/2).
@@ -294,171 +148,5 @@ contains
             -side*force*2*case%wall%b*cos(phi/2)/mass, 'moment of a fuse', rtol=1.0e-10_wp)
       end do
    end subroutine check_fuse_moment
-
-   !> Compare the peak of an undamped frame under a sudden constant acceleration with the peak from
-   !> the energy balance.
-   subroutine check_frame_force()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      real(wp), parameter :: u_y = 0.03_wp
-      real(wp) :: omega
-
-      case = frame_scene(1.0_wp, 'dop853')
-      case%frame%xi_s = 0
-      omega = 2*pi
-      ! A jump of the ground's acceleration to a: elastic up to u_y, then at constant force.
-      case%motion%kind = 'record'
-      allocate (case%record)
-      case%record%t = [0.0_wp, 10.0_wp]
-      case%record%a = -[1.0_wp, 1.0_wp]*omega**2*u_y*0.8_wp
-      allocate (case%yielding)
-      case%yielding%u_y = u_y
-      case%solver%t_end = 3
-      call simulate(case, result, error)
-      call checks%no_error(error, 'frame under a constant acceleration')
-      ! Energy: F_y (u - u_y/2) = 0.8 F_y u at the peak, u = 2.5 u_y.
-      call checks%close_to(result%u_s_max, 2.5_wp*u_y, 'peak of the yielding frame', &
-         rtol=1.0e-8_wp)
-      call checks%close_to(result%residual_displacement, 1.5_wp*u_y, 'plastic displacement', &
-         rtol=1.0e-8_wp)
-      call checks%close_to(result%ductility, 2.5_wp, 'ductility', rtol=1.0e-8_wp)
-      deallocate (case%yielding%u_y)
-      case%yielding%f_y_over_m_s_g = omega**2*u_y/case%model%g
-      call simulate(case, result, error)
-      call checks%close_to(result%ductility, 2.5_wp, 'strength as yield acceleration', &
-         rtol=1.0e-8_wp)
-   end subroutine check_frame_force
-
-   !> Check a release from a rotation beyond yield, where the springs unload at once. The ledger
-   !> closes, and no energy is dissipated before the first yield in the opposite direction.
-   subroutine check_initial_beyond_yield()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      integer :: side
-
-      do side = -1, 1, 2
-         case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-         deallocate (case%motion)
-         case%cable%eta_y = [1.4_wp]
-         allocate (case%initial)
-         case%initial%theta_over_alpha = 0.25_wp*side
-         case%initial%theta_dot = 0
-         allocate (case%output)
-         case%output%energy = .true.
-         case%frame%xi_s = 0
-         case%solver%t_end = 0.3_wp
-         call simulate(case, result, error)
-         call checks%no_error(error, 'initial rotation beyond yield')
-         ! eta_alpha = 5: the elastic force at alpha/4 would be 2.
-         call checks%close_to(result%prestress_loss, 2 - 1.4_wp, &
-            'loss at an initial rotation beyond yield', rtol=1.0e-12_wp)
-         call checks%close_to(result%energy%viscous, 0.0_wp, 'unloading is elastic')
-         call close_ledger(result, 'initial rotation beyond yield')
-      end do
-   end subroutine check_initial_beyond_yield
-
-   subroutine close_ledger(result, name)
-      type(result_t), intent(in) :: result
-      character(*), intent(in) :: name
-
-      associate (ledger => result%energy)
-         call checks%close_to(ledger%final + ledger%viscous + ledger%impact + ledger%hysteretic, &
-            ledger%initial + ledger%input, 'energy, '//name, &
-            atol=2.0e-8_wp*(ledger%input_max + abs(ledger%initial)))
-      end associate
-   end subroutine close_ledger
-
-   !> Check that the rejection of a step restores the memory of the springs.
-   subroutine check_rejected_step(method)
-      character(*), intent(in) :: method
-      integer, parameter :: steps = 400
-      type(case_t) :: case
-      type(stepping_t) :: wall
-      type(stepping_t) :: other
-      type(snapshot_t) :: snapshot
-      type(wall_state_t) :: state
-      type(wall_state_t) :: expected
-      type(error_t), allocatable :: error
-      real(wp) :: t(2)
-      integer :: n
-
-      case = sprung('exact', method)
-      case%solver%atol = 1.0e-11_wp
-      deallocate (case%motion)
-      call create_stepping(wall, case, error, peak=5.0_wp)
-      call create_stepping(other, case, error, peak=5.0_wp)
-      do n = 1, steps
-         t = [(n - 1)*0.02_wp, n*0.02_wp]
-         call save_stepping(wall, snapshot, error)
-         call advance_stepping(wall, t, [20.0_wp, -20.0_wp], error)
-         call restore_stepping(wall, snapshot, error)
-         call advance_stepping(wall, t, ground(t), error)
-         call save_stepping(other, snapshot, error)
-         call restore_stepping(other, snapshot, error)
-         call advance_stepping(other, t, ground(t), error)
-         if (allocated(error)) exit
-      end do
-      call checks%no_error(error, method//': rejected steps')
-      call query_state(wall, state, error)
-      call query_state(other, expected, error)
-      call checks%that(state%theta_max > 0.05_wp, method//': the wall rocks')
-      call checks%close_to(state%theta, expected%theta, method//': memory after rejected steps', &
-         atol=1.0e-13_wp)
-      call destroy_stepping(wall)
-      call destroy_stepping(other)
-   end subroutine check_rejected_step
-
-   !> Ground acceleration, prescribed by a host [m/s2].
-   pure elemental real(wp) function ground(t)
-      real(wp), intent(in) :: t
-
-      ground = 8*sin(5*t)*exp(-(t - 3)**2/4)
-   end function ground
-
-   !> Compare the frame shear that a host obtains with the force of the yielded spring.
-   subroutine check_shear()
-      type(case_t) :: case
-      type(stepping_t) :: frame
-      type(wall_forces_t) :: forces
-      type(wall_state_t) :: state
-      type(error_t), allocatable :: error
-
-      case = frame_scene(1.0_wp, 'dop853')
-      case%frame%xi_s = 0
-      deallocate (case%motion)
-      allocate (case%yielding)
-      case%yielding%u_y = 0.03_wp
-      call create_stepping(frame, case, error, peak=5.0_wp)
-      call advance_stepping(frame, [0.0_wp, 0.3_wp], [-5.0_wp, -5.0_wp], error)
-      call query_state(frame, state, error)
-      call query_forces(frame, forces, error)
-      call checks%no_error(error, 'shear')
-      call checks%that(state%u_s > 0.03_wp .and. state%u_s_dot > 0, 'the frame yields')
-      call checks%close_to(forces%frame_shear, (2*pi)**2*0.03_wp, 'shear of a yielding frame', &
-         rtol=1.0e-12_wp)
-      call destroy_stepping(frame)
-   end subroutine check_shear
-
-   !> Check that a snapshot of an elastic wall cannot be restored into a yielding wall.
-   subroutine check_other_wall()
-      type(case_t) :: case
-      type(stepping_t) :: wall
-      type(stepping_t) :: elastic
-      type(snapshot_t) :: snapshot
-      type(error_t), allocatable :: error
-
-      case = sprung('exact', 'dop853')
-      call create_stepping(wall, case, error)
-      deallocate (case%fuse, case%yielding, case%cable%eta_y)
-      case%cable%hardening = [0.0_wp]
-      call create_stepping(elastic, case, error)
-      call save_stepping(elastic, snapshot, error)
-      call restore_stepping(wall, snapshot, error)
-      call checks%has_error(error, err_input, 'another wall', 'snapshot of an elastic wall')
-      call destroy_stepping(wall)
-      call destroy_stepping(elastic)
-   end subroutine check_other_wall
 
 end program test_memory

@@ -1,19 +1,14 @@
 !> Frames of several storeys, closed forms of their modes, and both couplings with the wall.
 program test_storeys
    use check, only: checks_t
-   use rwmf_core_error, only: err_input, error_t
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
       query_forces, query_state, stepping_t, wall_forces_t, wall_state_t
-   use rwmf_input_reader, only: read_case_text
-   use rwmf_model_restitution, only: restitution_momentum
    use rwmf_problem_case, only: case_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_shear_frame, only: damping_matrix, find_modes, modal_height, modal_mass, &
       roof_factor, shear_frame_t
-   use rwmf_simulation_simulate, only: simulate
-   use rwmf_simulation_state_result, only: event_lift_off, result_t
-   use rwmf_text_strings, only: real_to_text
    use scenes, only: rwmf_scene
    implicit none
 
@@ -24,11 +19,6 @@ program test_storeys
    if (checks%wants('every_floor')) call check_every_floor()
    if (checks%wants('links_of_every_floor')) call check_links_of_every_floor()
    if (checks%wants('link_spring')) call check_link_spring()
-   if (checks%wants('lift_off_from_moving_rest')) call check_lift_off_from_moving_rest()
-   if (checks%wants('roof_takes_the_impact')) call check_roof_takes_the_impact()
-   if (checks%wants('storeys_of_a_line')) call check_storeys_of_a_line()
-   if (checks%wants('pushed_storeys')) call check_pushed_storeys()
-   if (checks%wants('refusals')) call check_refusals()
    call checks%finish()
 
 contains
@@ -201,165 +191,5 @@ contains
          - forces%link/(1000*k_link)), 'shear of the storey', rtol=1.0e-12_wp)
       call destroy_stepping(stepping)
    end subroutine check_link_spring
-
-   !> Check lift-off of a wall with two undamped storeys under a sine that begins gently. While the
-   !> wall rests, the floor is an oscillator between two springs, with a known response to the sine.
-   !> At lift-off the moments about the corner balance.
-   subroutine check_lift_off_from_moving_rest()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      real(wp) :: u, a, omega, rate, t, drive
-      integer :: first
-
-      case = uniform_case(2, 3.0_wp, 0.9_wp, 'full', 'exact', 'dop853')
-      case%frame%xi_s = 0
-      allocate (case%output)
-      case%output%dt = 0.1_wp
-      call simulate(case, result, error)
-      call checks%no_error(error, 'lift-off')
-      first = findloc(result%events%kind, event_lift_off, 1)
-      call checks%that(first == 1, 'the wall lifts off first')
-      t = result%events(1)%t
-      associate (k => case%frame%floors%k, m => case%frame%floors%m, alpha => atan(0.25_wp), &
-         g => case%model%g)
-         omega = sqrt((k(1) + k(2))/m(1))
-         rate = case%motion%omega_p
-         a = case%motion%a_max_g*g
-         u = -a/(omega**2 - rate**2)*(sin(rate*t) - rate/omega*sin(omega*t))
-         ! per unit m_w R: ground motion on wall and roof, the upper storey, weight and cable
-         drive = -((1 + 2*m(2))*a*sin(rate*t) - 2*k(2)*u)*cos(alpha)*sign(1.0_wp, u)
-         drive = drive - 2*g*sin(alpha)
-      end associate
-      call checks%close_to(drive, 0.0_wp, 'balance of moments at lift-off', atol=1.0e-8_wp)
-      call checks%that(t > 0.01_wp, 'after a time of rest')
-   end subroutine check_lift_off_from_moving_rest
-
-   !> Check that only the roof mass takes part in an impact of the wall.
-   subroutine check_roof_takes_the_impact()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-
-      case = uniform_case(4, 2.5_wp, 1.0_wp, 'full', 'exact', 'dop853')
-      case%impact%rule = 'coupled'
-      call simulate(case, result, error)
-      call checks%no_error(error, 'coupled restitution')
-      call checks%close_to(result%e, restitution_momentum(atan(0.25_wp), 2.5_wp, 0.0_wp), &
-         'restitution with the mass of the roof', rtol=1.0e-14_wp)
-   end subroutine check_roof_takes_the_impact
-
-   !> Scene with storeys that yield, for all couplings that allow them.
-   function yielding_case(n, coupling, formulation, u_y, hardening) result(case)
-      integer, intent(in) :: n
-      character(*), intent(in) :: coupling
-      character(*), intent(in) :: formulation
-      real(wp), intent(in) :: u_y(:)
-      real(wp), intent(in) :: hardening
-      type(case_t) :: case
-
-      case = uniform_case(n, 6.0_wp/n, 1.0_wp, coupling, formulation, 'dop853')
-      allocate (case%yielding)
-      case%yielding%storey_u_y = u_y
-      case%yielding%hardening = hardening
-   end function yielding_case
-
-   !> Compare storeys on a straight line with a yielding frame. All storeys have the same strength
-   !> over height; the frame has the strength of all of them.
-   subroutine check_storeys_of_a_line()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: frame
-      type(error_t), allocatable :: error
-
-      case = yielding_case(3, 'every_floor', 'symmetric', [0.01_wp], 0.05_wp)
-      call simulate(case, result, error)
-      call checks%no_error(error, 'storeys of a line')
-      deallocate (case%yielding%storey_u_y)
-      case%yielding%u_y = 0.03_wp
-      call simulate(case, frame, error)
-      call checks%close_to(result%u_s_max, frame%u_s_max, 'storeys of a line', rtol=1.0e-9_wp)
-      call checks%close_to(result%ductility, frame%ductility, 'their ductility', rtol=1.0e-9_wp)
-      call checks%close_to(result%residual_displacement, frame%residual_displacement, &
-         'what is left of them', rtol=1.0e-8_wp)
-   end subroutine check_storeys_of_a_line
-
-   !> Check a pushover, by a ground acceleration that changes slowly. The shear of a storey is the
-   !> mass above times this acceleration. With the hardening a, it follows V = k d up to V_y and V_y
-   !> + a k (d - u_y) beyond.
-   subroutine check_pushed_storeys()
-      real(wp), parameter :: m(2) = [2.0_wp, 1.0_wp]
-      real(wp), parameter :: k(2) = [3.0e5_wp, 2.0e5_wp]
-      real(wp), parameter :: u_y(2) = [2.0e-5_wp, 1.2e-5_wp]
-      real(wp), parameter :: a = 0.2_wp
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-      real(wp) :: shear(2), d(2)
-
-      call read_case_text('&frame xi_s = 0.05 / &storeys m_over_m_w = 2 1, k_over_m_w = 3e5 2e5, ' &
-         //'height = 3 3, coupling = ''full'' / &yielding storey_u_y = 2e-5 1.2e-5, hardening = ' &
-         //'0.2 / &motion kind = ''one_sine'', a_max_g = 0.4, omega_p = 0.2 / &solver t_end = 9, ' &
-         //'rtol = 1e-9 /', '', case, error)
-      call checks%no_error(error, 'pushover')
-      call simulate(case, result, error)
-      call checks%no_error(error, 'pushover')
-      shear = 0.4_wp*case%model%g*[m(1) + m(2), m(2)]
-      d = u_y + (shear/k - u_y)/a
-      call checks%that(all(shear/k > 1.2_wp*u_y), 'both storeys yield')
-      call checks%close_to(result%u_s_max, sum(d), 'pushover', rtol=1.0e-4_wp)
-      call checks%close_to(result%storey_ductility(1), d(1)/u_y(1), 'lower storey', rtol=1.0e-4_wp)
-      call checks%close_to(result%storey_ductility(2), d(2)/u_y(2), 'upper storey', rtol=1.0e-4_wp)
-   end subroutine check_pushed_storeys
-
-   !> Check that incompatible inputs are refused.
-   subroutine check_refusals()
-      character(*), parameter :: wall = '&wall h = 3, b = 1 / &solver t_end = 1 /'
-      character(*), parameter :: two = '&storeys m_over_m_w = 2 2, k_over_m_w = 300 300'
-
-      call refuse(wall//two//', height = 3 3 /', &
-         '&storeys (line 1): must not be given without &frame')
-      call refuse(wall//'&frame xi_s = 0, T_s = 1 /'//two//', height = 3 3 /', &
-         'T_s = 1 (line 1): must not be given with &storeys')
-      call refuse(wall//'&frame xi_s = 0, gamma = 1 /'//two//', height = 3 3 /', &
-         'gamma = 1 (line 1): must not be given with &storeys')
-      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 /', 'has 1 values')
-      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 2 /', 'their sum is 5')
-      call refuse(wall//'&frame xi_s = 0 / &spectrum T_s = 1, gamma = 2 0 /'//two &
-         //', height = 3 3 /', 'gamma = 2, 0 (line 1): must be > 0 with &storeys')
-      call refuse(wall//'&frame xi_s = 0 / &yielding u_y = 0.01 /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'u_y = 0.01 (line 1): must not be given where')
-      call refuse(wall//'&frame xi_s = 0 / &yielding /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'the key storey_u_y is missing')
-      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 0.02 0.03 /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'storey_u_y = 0.01, 0.02, 0.03 (line 1): has ' &
-         //'3 values, must have one for all storeys or one for each of the 2')
-      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01 /'//two &
-         //', height = 3 3 /', 'storey_u_y = 0.01 (line 1): must not be given without &storeys')
-      call refuse(wall//'&frame xi_s = 0, T_s = 1, gamma = 2 / &yielding storey_u_y = 0.01 /', &
-         'storey_u_y = 0.01 (line 1): must not be given without &storeys')
-      call refuse(wall//'&frame xi_s = 0 / &yielding storey_u_y = 0.01, u_y = 0.1 /'//two &
-         //', height = 3 3, coupling = ''every_floor'' /', 'u_y = 0.1 (line 1): must not be given')
-      call refuse(wall//'&frame xi_s = 0 / &initial theta_over_alpha = 0.1 / &yielding ' &
-         //'storey_u_y = 0.01, law = ''bouc_wen'' /'//two &
-         //', height = 3 3, coupling = ''full'' /', 'must be 0 with &yielding law = ' &
-         //'''bouc_wen'' and &storeys coupling = ''full''')
-      call refuse('&frame xi_s = 0 / &solver t_end = 1 /'//two//', height = 3 3, ' &
-         //'coupling = ''every_floor'' /', 'must not be ''every_floor'' without &wall')
-      call refuse(wall//'&frame xi_s = 0 / &storeys m_over_m_w = 2 2, k_over_m_w = 300 1e13, ' &
-         //'height = 3 3 /', 'a floor is too stiff: the period 2 pi sqrt(mass/stiffness) is ' &
-         //trim(real_to_text(2*pi/sqrt((1.0e13_wp + 300)/2))))
-      call refuse(wall//'&frame xi_s = 0 /'//two//', height = 3 -3 /', 'must be numbers > 0')
-   end subroutine check_refusals
-
-   subroutine refuse(text, message)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: message
-      type(case_t) :: case
-      type(error_t), allocatable :: error
-
-      call read_case_text(text, '', case, error)
-      call checks%has_error(error, err_input, message, message)
-   end subroutine refuse
 
 end program test_storeys

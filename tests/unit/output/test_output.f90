@@ -1,14 +1,12 @@
-!> CSV files: complete or absent, with the same bits and only the keys that apply.
+!> CSV files: names, text of the case, bits of extreme numbers.
 program test_output
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use check, only: checks_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_output_csv, only: case_name, write_result, write_spectrum
-   use rwmf_output_summary, only: list_effects, summarise, summary_item_t, summary_text
+   use rwmf_output_csv, only: case_name, write_result
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_state_result, only: result_t
-   use rwmf_spectrum_ordinates, only: spectrum_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
 
@@ -21,11 +19,8 @@ program test_output
    folder = 'test_output_'//trim(integer_to_text(ticks))
    call execute_command_line('rm -rf '//folder//' && mkdir '//folder)
    if (checks%wants('case_name')) call test_case_name()
-   if (checks%wants('summary')) call test_summary()
    if (checks%wants('summary_file')) call test_summary_file()
    if (checks%wants('history_bits')) call test_history_bits()
-   if (checks%wants('spectrum_file')) call test_spectrum_file()
-   if (checks%wants('bare_spectrum')) call test_bare_spectrum()
    call execute_command_line('rm -rf '//folder)
    call checks%finish()
 
@@ -39,37 +34,6 @@ contains
       call checks%that(case_name('a.b.nml') == 'a.b', 'only the last ending goes')
       call checks%that(case_name('') == 'case', 'a case from memory')
    end subroutine test_case_name
-
-   !> Absent components have no key; the keys have the order of the contract.
-   subroutine test_summary()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(summary_item_t), allocatable :: items(:)
-      character(*), parameter :: tab = achar(9), nl = new_line('a')
-      character(:), allocatable :: text
-
-      call make_case(case)
-      call make_result(result)
-      call summarise(case, result, items)
-      call summary_text(items, text)
-      call checks%that(index(text, 'u_s_max_m'//tab//'real'//tab) == 1, 'first key')
-      call checks%that(same_bits(items(1)%number, result%u_s_max), 'number')
-      call checks%that(index(text, nl//'impacts'//tab//'int'//tab//nl) > 0, 'counter')
-      call checks%that(items(2)%count == 3, 'its number')
-      call checks%that(index(text, nl//'overturned'//tab//'logical'//tab//nl) > 0, 'logical')
-      call checks%that(items(4)%count == 0, 'its number')
-      call checks%that(index(text, 'effects'//tab//'list'//tab//'wall'//tab//'frame'//nl) &
-         > 0, 'list')
-      call checks%that(index(text, 'cable_force') == 0, 'no cable, no key')
-      call checks%that(index(text, 'energy') == 0, 'no ledger, no key')
-      call checks%that(size(list_effects(case)) == 2, 'kind none shakes nothing')
-      result%has_impacts = .false.
-      deallocate (result%u_s_max)
-      call summarise(case, result, items)
-      call summary_text(items, text)
-      call checks%that(index(text, 'impacts') == 0, 'no rocking, no impacts')
-      call checks%that(index(text, 'u_s_max_m') == 0, 'no frame, no displacement')
-   end subroutine test_summary
 
    !> One line of names, one of values, and the data needed to repeat the run.
    subroutine test_summary_file()
@@ -119,41 +83,6 @@ contains
       end do
    end subroutine test_history_bits
 
-   !> T_s varies fastest, then gamma, then b; a failed ordinate keeps its reason.
-   subroutine test_spectrum_file()
-      type(case_t) :: case
-      type(spectrum_t) :: spectrum
-      type(error_t), allocatable :: error
-      character(:), allocatable :: line
-
-      call make_case(case)
-      call make_spectrum(spectrum)
-      spectrum%gamma = [5.0_wp, 10.0_wp]
-      spectrum%b = [0.5_wp]
-      spectrum%status(2, 1, 1) = 2
-      call write_spectrum(case, spectrum, folder//'/s.csv', error)
-      call checks%no_error(error, 'spectrum written')
-      call checks%that(line_of('s.csv', 5) == '# method: adams', 'method of the spectrum')
-      call checks%that(line_of('s.csv', 6) == 'b_m,gamma,T_s_s,u_s_max_m,status', &
-         'columns of the spectrum')
-      line = line_of('s.csv', 8)
-      call checks%that(index(line, ',too_many_steps') == len(line) - 14, 'reason')
-      call checks%that(same_bits(first_number(line), 0.5_wp), 'b comes first')
-      call checks%that(line_of('s.csv', 11) == '', 'four ordinates')
-   end subroutine test_spectrum_file
-
-   !> The bare frame has neither gamma nor b.
-   subroutine test_bare_spectrum()
-      type(case_t) :: case
-      type(spectrum_t) :: spectrum
-      type(error_t), allocatable :: error
-
-      call make_case(case)
-      call make_spectrum(spectrum)
-      call write_spectrum(case, spectrum, folder//'/s.csv', error)
-      call checks%that(line_of('s.csv', 6) == 'T_s_s,u_s_max_m,status', 'bare frame')
-   end subroutine test_bare_spectrum
-
    !> A wall and a frame in free vibration.
    subroutine make_case(case)
       type(case_t), intent(out) :: case
@@ -182,21 +111,6 @@ contains
       result%seconds = 0.25_wp
       result%warnings = [character(256) :: 'first', 'say "no"']
    end subroutine make_result
-
-   !> Two periods, two mass ratios or their absence.
-   subroutine make_spectrum(spectrum)
-      type(spectrum_t), intent(out) :: spectrum
-
-      spectrum%T_s = [1.0_wp, 2.0_wp]
-      allocate (spectrum%values(2, 2, 1, 1), source=0.1_wp)
-      spectrum%quantities = [character(40) :: 'u_s_max_m']
-      allocate (spectrum%status(2, 2, 1))
-      spectrum%status = 1
-      spectrum%status_names = [character(24) :: 'ok', 'too_many_steps']
-      spectrum%rhs_evaluations = 1
-      spectrum%seconds = 0.0_wp
-      spectrum%threads = 1
-   end subroutine make_spectrum
 
    !> Line of a file in the folder of the test; '' if the file has fewer lines.
    function line_of(name, number) result(line)

@@ -1,5 +1,4 @@
-!> Order of the pairs in lanes, bitwise identity for any batch and every instruction set, and
-!> spectra of all effects compared with single runs.
+!> Order of the pairs in lanes, and bitwise identity for any batch and every instruction set.
 program test_lanes
    use check, only: checks_t
    use rwmf_core_error, only: error_t
@@ -15,9 +14,6 @@ program test_lanes
    use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_simulate, only: simulate
-   use rwmf_simulation_state_result, only: ending_name, result_t
-   use rwmf_spectrum_ordinates, only: compute_spectrum, spectrum_t
    implicit none
 
    character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &frame T_s=0.8, gamma=3, xi_s=0.05 / ' &
@@ -46,18 +42,6 @@ program test_lanes
       'smooth hysteresis')
    call check_bits(storeys//cable//loss//pulses//"&yielding storey_u_y=0.01, law='bouc_wen' /", &
       'smooth storeys')
-   call check_spectrum(wall//cable//loss//pulses//devices, 'devices')
-   call check_spectrum(wall//cable//loss//pulses//fuse//yielding//' /', 'fuse and yielding frame')
-   call check_spectrum(wall//'&cable eta_0=1.0, eta_alpha=5.0, eta_y=1.3, hardening=0.02, ' &
-      //"law='truss' / "//loss//pulses, 'straight tendon')
-   call check_spectrum(wall//cable//loss//pulses//yielding//", law='bouc_wen' /", &
-      'smooth hysteresis')
-   call check_spectrum(wall//cable//"&impact rule='constant', e=0.0 / "//pulses, 'e = 0')
-   call check_spectrum(wall//cable//loss//pulses//'&initial theta_over_alpha=0.3 /', 'initial')
-   call check_spectrum(storeys//cable//loss//pulses, 'storeys')
-   call check_spectrum(storeys//cable//loss//pulses//'&yielding storey_u_y=0.01 /', &
-      'yielding storeys')
-   call check_spectrum('&frame T_s=1.0, xi_s=0.05 / '//pulses//yielding//' /', 'frame alone')
    call checks%finish()
 
 contains
@@ -218,55 +202,5 @@ contains
          end do
       end do
    end subroutine check_bits
-
-   !> Compare ordinates in lanes with single runs at a tight tolerance. Single ordinates and runs
-   !> with two threads have the same bits.
-   subroutine check_spectrum(text, name)
-      character(*), intent(in) :: text
-      character(*), intent(in) :: name
-      character(*), parameter :: periods = ' &spectrum T_s = 0.15, 0.2, 0.3, 0.45, 0.6, 0.8, ' &
-         //'1.0, 1.3, 1.7, 2.2 /'
-      real(wp), parameter :: rtol = 1.0e-7_wp
-      type(case_t) :: case
-      type(spectrum_t) :: lanes, threads, alone, accurate
-      type(case_t) :: single
-      type(result_t) :: run
-      type(error_t), allocatable :: error
-      real(wp) :: u_s_max
-      integer :: i
-
-      if (.not. checks%wants('spectrum, '//name)) return
-      call read_scene(text//' &solver t_end=4.0, rtol=1.0e-7 /'//periods, case)
-      call compute_spectrum(case, 1, lanes, error)
-      call checks%no_error(error, name)
-      call compute_spectrum(case, 2, threads, error)
-      call checks%that(all(abs(lanes%values - threads%values) <= 0), 'bits of threads, '//name)
-      case%solver%accuracy = 1.0e-6_wp
-      call compute_spectrum(case, 1, accurate, error)
-      deallocate (case%solver%accuracy)
-      single = case
-      single%solver%method = 'dop853'
-      single%solver%rtol = 1.0e-12_wp
-      do i = 1, size(lanes%T_s)
-         single%frame%T_s = lanes%T_s(i)
-         call simulate(single, run, error)
-         call checks%no_error(error, name)
-         u_s_max = run%u_s_max
-         call checks%that(lanes%status_names(lanes%status(i, 1, 1)) == ending_name(run), &
-            'status, '//name)
-         call checks%that(accurate%status_names(accurate%status(i, 1, 1)) == ending_name(run), &
-            'accurate status, '//name)
-         call checks%close_to(lanes%values(i, 1, 1, 1), u_s_max, 'single run, '//name, &
-            atol=10*rtol*u_s_max)
-         call checks%close_to(accurate%values(i, 1, 1, 1), u_s_max, 'accuracy, '//name, &
-            atol=1.0e-6_wp*u_s_max)
-      end do
-      do i = 1, size(lanes%T_s), 4
-         case%spectrum%T_s = lanes%T_s(i:i)
-         call compute_spectrum(case, 1, alone, error)
-         call checks%that(abs(alone%values(1, 1, 1, 1) - lanes%values(i, 1, 1, 1)) <= 0, &
-            'bits of an ordinate alone, '//name)
-      end do
-   end subroutine check_spectrum
 
 end program test_lanes
