@@ -81,6 +81,17 @@ EFFECTS: dict[str, Groups] = {
         )
         for law in ("elastic_plastic", "friction", "flag")
     },
+    **{
+        f"`&base`, {part}": {
+            "base": {"k_t_over_m_w": 2e4, "xi": 0.2} | keys,
+            "model": {"formulation": "exact"},
+        }
+        for part, keys in (
+            ("elastic", {}),
+            ("slides", {"mu": 0.2}),
+            ("crushes", {"d_y": 4e-3, "strips": 12}),
+        )
+    },
     "`&yielding`": {"yielding": {"u_y": 0.01, "law": "elastic_plastic"}},
     **{
         f"`&fuse`, {law}": {"fuse": {"eta_y": 0.3, "stroke_y": 0.01, "law": law}}

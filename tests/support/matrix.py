@@ -81,6 +81,8 @@ class Scene:
     def __init__(self, groups: Mapping[str, Any], folder: Path) -> None:
         self.groups = {group: dict(keys) for group, keys in groups.items()}
         self.groups["solver"] |= _SOLVER
+        if "base" in groups:
+            self.groups["solver"] |= {"method": "taylor"}
         self.groups["output"] |= {"dt": 0.05}
         if "frame" not in self.groups and self.groups["wall"].get("base") == "pinned":
             # before it lies on its side, at 1.9 s

@@ -219,12 +219,12 @@ contains
 
       z = scene%z_0
       s = abs(sin(theta))
+      if (.not. s > 0) return
       associate (h => scene%h, b => scene%b, kappa => scene%kappa)
          do i = 1, most
             deep = b*s - z
             ! the force is convex in z: Newton's method passes the root at most once
-            contact = 2*b
-            if (s > 0) contact = min(2*b, deep/s)
+            contact = min(2*b, deep/s)
             force = scene%g
             slope = kappa*contact
             if (scene%has_tendon) then

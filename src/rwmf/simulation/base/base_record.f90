@@ -79,7 +79,7 @@ module rwmf_simulation_base_base_record
       !! interval of the history [s]
    end type base_record_t
 
-   !> Energies of a state, zero for the wall at rest [J/kg].
+   !> Energies of a state, all but that of the base zero for the wall at rest [J/kg].
    type :: stored_t
       real(wp) :: kinetic = 0
       real(wp) :: strain = 0
@@ -467,7 +467,7 @@ contains
          else
             stored%base = compression(abs(s), z)
          end if
-         stored%base = scene%kappa/2*(stored%base - 2*b*scene%z_0**2)
+         stored%base = scene%kappa/2*stored%base
       end associate
 
    contains
