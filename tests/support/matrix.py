@@ -339,7 +339,7 @@ def study_overturning(scene: Scene, _: Path) -> None:
     for level, outcome in zip(levels, found["outcome"].values[0], strict=True):
         motion = {"a_max_g": level * float(found["alpha"]), "omega_p": None, "T_p": T_p}
         run = scalars(quiet.replace(motion=motion, solver={"t_end": T_p + 25 / p}))
-        assert outcome == (SURVIVES if ending_of(run) == "ok" else run["impacts"])
+        assert outcome == (SURVIVES if ending_of(run) == "ok" else run.get("impacts", 0))
 
 
 def levels_of_intensity(scene: Scene, _: Path) -> None:
@@ -662,6 +662,9 @@ REFUSALS = (
     Refusal(("element",), "`&fuse`|three fuses", f"an element has no &fuse: {_STATELESS}"),
     Refusal(("element",), "cable yields|cable breaks",
             f"an element has no &cable eta_y or rupture_strain: {_STATELESS}"),
+    Refusal(("member",), "`&base`", "&base: must not be given for a member of a host"),
+    Refusal(("pushover",), "`&base`", "&base: must not be given for a static curve"),
+    Refusal(("element",), "`&base`", "an element has no &base: its settlement and slip are states"),
     Refusal(("element",), "vertical, record", "an element has no &vertical file: the host hands "
             "over the motion, and &vertical ratio follows it"),
     Refusal(("element",), "impact, table", "an element has no &impact rule = 'table': the host "

@@ -6,7 +6,10 @@ module rwmf_embedding_outputs
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: require, stepping_t
    use rwmf_embedding_wall_instance, only: wall_instance_t
+   use rwmf_model_history_row, only: numbered
    use rwmf_problem_quantity_table, only: all_quantities, look_up
+   use rwmf_simulation_base_base_record, only: base_columns => find_columns
+   use rwmf_simulation_base_base_run, only: base_motion_t, expand_present, result_on_base
    use rwmf_simulation_recorder_recorder, only: create_columns, find_columns, find_rates, &
       observe_present, recorder_t
    use rwmf_simulation_run, only: fill_result
@@ -75,6 +78,10 @@ contains
          call fail(error, err_input, 'a number of no output: ask for it by its key')
          return
       end if
+      if (allocated(stepping%instance%base)) then
+         call find_on_base(stepping%instance, numbers, values)
+         return
+      end if
       has_columns = .false.
       has_scalars = .false.
       do i = 1, size(numbers)
@@ -91,6 +98,38 @@ contains
          end associate
       end do
    end subroutine query_outputs
+
+   !> Find outputs of a wall on a base that gives.
+   subroutine find_on_base(instance, numbers, values)
+      type(wall_instance_t), intent(in) :: instance
+      integer, intent(in) :: numbers(:)
+      !! (outputs)
+      real(wp), intent(inout) :: values(:)
+      !! (outputs) NaN; unchanged where an output does not apply
+      type(base_motion_t) :: base
+      type(result_t) :: result
+      type(values_t) :: scalars
+      character(32), allocatable :: names(:)
+      real(wp), allocatable :: columns(:)
+      integer :: i, column
+
+      base = instance%base
+      call expand_present(instance%equation%motion, base, base%record)
+      call base_columns(instance%case, base%scene, base%regime, base%series, base%t, names, columns)
+      call result_on_base(instance%case, base, result)
+      call scalars_of(instance%case, result, scalars)
+      do i = 1, size(numbers)
+         associate (row => all_quantities(numbers(i)/per_row), storey => modulo(numbers(i), &
+                    per_row))
+            if (index(row%outputs, 'history') == 0) then
+               values(i) = value_of(scalars, row%id, storey)
+            else
+               column = findloc(names == numbered(trim(row%key), storey), .true., dim=1)
+               if (column > 0) values(i) = columns(column)
+            end if
+         end associate
+      end do
+   end subroutine find_on_base
 
    !> Compute the columns of a history at the current time.
    subroutine compute_columns(instance, columns)

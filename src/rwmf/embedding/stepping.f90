@@ -15,7 +15,10 @@ module rwmf_embedding_stepping
    use rwmf_embedding_ranges, only: a_time, any_number, is_number, is_time, positive, &
       require_number
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
-      restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
+      restore_state, save_state, snapshot_t, start_instance, start_on_base, use_host_motion, &
+      wall_instance_t
+   use rwmf_simulation_base_base_record, only: of_theta, of_u
+   use rwmf_simulation_base_base_run, only: base_motion_t, expand_present
    use rwmf_simulation_factory, only: new_integrator
    use rwmf_model_equation, only: cable_force_at, frame_acceleration, frame_motion
    use rwmf_model_floor_motion, only: storey_motion
@@ -31,7 +34,7 @@ module rwmf_embedding_stepping
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_record, only: upward_group
    use rwmf_problem_rules, only: fail_key
-   use rwmf_problem_single_run, only: check_corners, check_single_run
+   use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_state_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_state_result, only: event_t
    use rwmf_text_strings, only: real_to_text
@@ -125,10 +128,14 @@ contains
          if (allocated(instance%case%upward_record)) deallocate (instance%case%upward_record)
          if (allocated(instance%case%output)) call limit_outputs(instance%case%output, &
             has_key(case%values, 'output', 'reactions'))
-         call build_equation(case, instance%own_motion, instance%equation)
-         call new_integrator(case%solver%method, instance%integrator)
+         if (allocated(case%compliant_base)) then
+            call start_on_base(stepping%instance, t_begin, error)
+         else
+            call build_equation(case, instance%own_motion, instance%equation)
+            call new_integrator(case%solver%method, instance%integrator)
+            call start_instance(stepping%instance, t_begin, peak, error)
+         end if
       end associate
-      call start_instance(stepping%instance, t_begin, peak, error)
       if (allocated(error)) call destroy_stepping(stepping)
    end subroutine create_stepping
 
@@ -161,7 +168,6 @@ contains
             //'another method', error)
       else
          call check_single_run(case, error)
-         if (.not. allocated(error)) call check_corners(case, 'a host that steps the wall', error)
       end if
       if (present(t_begin)) call require_number(t_begin, 't_begin', a_time, error)
       if (present(peak)) call require_number(peak, 'peak', positive, error)
@@ -362,7 +368,7 @@ contains
       call require(stepping, error)
       if (allocated(error)) return
       call save_state(stepping%instance, snapshot, goes_on=.true.)
-      if (allocated(snapshot%f)) return
+      if (allocated(snapshot%f) .or. allocated(snapshot%base)) return
       stepping%instance%hybrid%must_restart = .true.
       snapshot%hybrid%must_restart = .true.
    end subroutine save_stepping
@@ -389,6 +395,51 @@ contains
       stepping%instance%recorder%n_events = 0
    end subroutine restore_stepping
 
+   !> Fill the state of a wall on a base that gives.
+   subroutine fill_on_base(instance, state)
+      type(wall_instance_t), intent(in) :: instance
+      type(wall_state_t), intent(inout) :: state
+      type(base_motion_t) :: base
+
+      base = instance%base
+      call expand_present(instance%equation%motion, base, base%record)
+      associate (of => base%series, extremes => base%record%extremes)
+         state%t = base%t
+         state%at_rest = .false.
+         state%overturned = base%has_overturned
+         state%collapsed = .false.
+         state%impacts = 0
+         state%lift_offs = 0
+         state%steps = base%steps
+         state%theta = of%theta(0)
+         state%theta_dot = of%theta_dot(0)
+         state%theta_ddot = of%theta_ddot(0)
+         state%theta_max = max(extremes(2, of_theta), -extremes(1, of_theta))
+         if (base%scene%frame%n == 0) return
+         state%u_s = of%x(0) + of%u(0)
+         state%u_s_dot = of%x_dot(0) + of%u_dot(0)
+         state%u_s_ddot = of%x_ddot(0) + of%u_ddot(0)
+         state%u_s_max = max(extremes(2, of_u), -extremes(1, of_u))
+      end associate
+   end subroutine fill_on_base
+
+   !> Forces of a wall on a base that gives: of all links, of the lowest storey, of the tendon.
+   subroutine find_forces_on_base(instance, forces)
+      type(wall_instance_t), intent(in) :: instance
+      type(wall_forces_t), intent(inout) :: forces
+      type(base_motion_t) :: base
+
+      base = instance%base
+      call expand_present(instance%equation%motion, base, base%record)
+      associate (of => base%series, frame => base%scene%frame)
+         forces%link = instance%mass*(frame%mass(1, 1)*of%x_ddot(0) + frame%mass(1, 2) &
+            *of%u_ddot(0) + frame%excited(1)*of%ground(0) + of%force(0, 1))
+         forces%frame_shear = instance%mass*(of%force(0, 1) + sum(of%force(0, 3:)))
+         if (base%scene%has_tendon .and. base%regime%is_taut) forces%cable = instance%mass &
+            *base%scene%g*of%tendon(0)
+      end associate
+   end subroutine find_forces_on_base
+
    !> Return the state at the current time.
    subroutine query_state(stepping, state, error)
       type(stepping_t), intent(in) :: stepping
@@ -398,6 +449,10 @@ contains
 
       call require(stepping, error)
       if (allocated(error)) return
+      if (allocated(stepping%instance%base)) then
+         call fill_on_base(stepping%instance, state)
+         return
+      end if
       associate (hybrid => stepping%instance%hybrid, recorder => stepping%instance%recorder)
          state%t = hybrid%t
          state%at_rest = is_at_rest(hybrid)
@@ -462,6 +517,10 @@ contains
 
       call query_state(stepping, state, error)
       if (allocated(error)) return
+      if (allocated(stepping%instance%base)) then
+         call find_forces_on_base(stepping%instance, forces)
+         return
+      end if
       associate (instance => stepping%instance, equation => stepping%instance%equation, &
                  p => stepping%instance%equation%p, y => stepping%instance%hybrid%y)
          frame_mass = instance%mass

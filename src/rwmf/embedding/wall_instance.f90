@@ -12,10 +12,12 @@ module rwmf_embedding_wall_instance
    use rwmf_model_equation, only: discrete_state_t, has_elements
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_system_assembly, only: enter_interval, equation_t, interval_of
-   use rwmf_motion_ground_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
-      piecewise_linear_motion
+   use rwmf_motion_ground_motion, only: acceleration, follow_samples, interval_at, motion_t, &
+      peak_acceleration, piecewise_linear_motion
    use rwmf_problem_case, only: case_t, has_floors
    use rwmf_simulation_advance, only: advance
+   use rwmf_simulation_base_base_record, only: of_rate
+   use rwmf_simulation_base_base_run, only: advance_on_base, base_motion_t, begin_on_base
    use rwmf_simulation_finite_check, only: check_numbers
    use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
    use rwmf_simulation_lanes_batch, only: batch_t
@@ -27,8 +29,8 @@ module rwmf_embedding_wall_instance
    private
 
    public :: wall_instance_t, snapshot_t
-   public :: start_instance, use_host_motion, hold_ground_acceleration, advance_instance, &
-      save_state, restore_state
+   public :: start_instance, start_on_base, use_host_motion, hold_ground_acceleration
+   public :: advance_instance, save_state, restore_state
 
    !> Data of one wall. It is on the heap, because the integrators point into it.
    type :: wall_instance_t
@@ -45,6 +47,8 @@ module rwmf_embedding_wall_instance
       type(recorder_t) :: recorder
       type(batch_t) :: batch
       !! batch of one lane, for methods that step in lanes
+      type(base_motion_t), allocatable :: base
+      !! a wall on a base that gives has this in place of equation, integrator and hybrid state
       real(wp) :: t
       !! time reached by the host; after overturning or collapse the motion ended earlier [s]
       real(wp) :: ground
@@ -62,6 +66,8 @@ module rwmf_embedding_wall_instance
    !> State of a wall between two calls. Assignment copies it; it needs no destruction.
    type :: snapshot_t
       logical :: is_filled = .false.
+      type(base_motion_t), allocatable :: base
+      !! allocated for a wall on a base that gives
       real(wp) :: identity(8) = 0
       !! `identity_of` the wall, in mixed units: a snapshot of another wall is refused
       logical :: follows_host = .false.
@@ -122,6 +128,32 @@ contains
       end associate
    end subroutine start_instance
 
+   !> Initialise a wall on a base that gives.
+   subroutine start_on_base(instance, t_begin, error)
+      type(wall_instance_t), pointer, intent(in) :: instance
+      real(wp), intent(in), optional :: t_begin
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
+      !! those of `begin_on_base`
+
+      instance%t = 0
+      if (present(t_begin)) instance%t = t_begin
+      instance%mass = 1
+      if (allocated(instance%case%wall%m_w)) instance%mass = instance%case%wall%m_w
+      instance%equation%has_wall = .true.
+      instance%equation%motion => instance%own_motion
+      instance%ground = acceleration(instance%own_motion, interval_at(instance%own_motion, &
+         instance%t), instance%t)
+      allocate (instance%base, instance%recorder%events(0))
+      instance%recorder%n_events = 0
+      call begin_on_base(instance%case, instance%t, instance%base, error)
+      if (allocated(error)) return
+      associate (scene => instance%base%scene)
+         instance%identity = [scene%h, scene%b, scene%kappa, scene%delay, scene%eta_slope, &
+            sum(scene%frame%m), real(scene%strips, wp), real(size(instance%base%y), wp)]
+      end associate
+   end subroutine start_on_base
+
    !> Expected sizes of theta and theta', which scale the absolute tolerances.
    function size_to_expect(instance, peak) result(size_guess)
       type(wall_instance_t), pointer, intent(in) :: instance
@@ -179,6 +211,23 @@ contains
       type(snapshot_t) :: before
 
       call save_state(instance, before, goes_on=.false.)
+      if (allocated(instance%base)) then
+         call advance_on_base(instance%case, instance%equation%motion, t, instance%control, &
+            instance%base, error)
+         if (allocated(error)) then
+            call restore_state(instance, before)
+            if (instance%follows_host) call hold_ground_acceleration(instance)
+            return
+         end if
+         instance%steps = instance%base%steps
+         associate (rates => instance%base%record%extremes(:, of_rate))
+            instance%recorder%theta_dot_max = max(rates(2), -rates(1))
+         end associate
+         instance%t = t
+         instance%ground = acceleration(instance%equation%motion, &
+            interval_at(instance%equation%motion, t), t)
+         return
+      end if
       instance%integrator%steps = 0_i8
       instance%recorder%n_events = 0
       instance%hybrid%is_stopped = .false.
@@ -213,6 +262,10 @@ contains
       snapshot%follows_host = instance%follows_host
       snapshot%t = instance%t
       snapshot%ground = instance%ground
+      if (allocated(instance%base)) then
+         snapshot%base = instance%base
+         return
+      end if
       snapshot%state = instance%equation%state
       snapshot%hybrid = instance%hybrid%hybrid_state_t
       snapshot%peaks = instance%recorder%peaks_t
@@ -236,6 +289,12 @@ contains
       instance%follows_host = snapshot%follows_host
       instance%t = snapshot%t
       instance%ground = snapshot%ground
+      if (allocated(snapshot%base)) then
+         instance%base = snapshot%base
+         instance%steps = snapshot%base%steps
+         if (.not. snapshot%follows_host) instance%equation%motion => instance%own_motion
+         return
+      end if
       instance%equation%state = snapshot%state
       if (.not. snapshot%follows_host) then
          instance%equation%motion => instance%own_motion

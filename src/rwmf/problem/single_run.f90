@@ -50,8 +50,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (allocated(case%compliant_base)) call fail(error, err_input, '&base: must not be given ' &
-         //'for '//user//', which knows a wall on two rigid corners; single runs, spectra and ' &
-         //'sweeps know a base that gives')
+         //'for '//user//', which knows a wall on two rigid corners; runs, spectra, sweeps and ' &
+         //'walls that step in a host know a base that gives')
    end subroutine check_corners
 
    !> Check that weight and tendons hold the wall on both corners of its base. Fails with

@@ -305,11 +305,9 @@ def test_refusals(groups: str, message: str) -> None:
         run(rwmf.Case.from_text(f"&wall h=4.0, b=1.0 /\n{groups}\n&motion kind='none' /\n{solver}"))
 
 
-def test_hosts_and_curves_are_refused() -> None:
-    """Analyses on rigid corners say so."""
+def test_static_curves_are_refused() -> None:
+    """An analysis on rigid corners says so."""
     case = scene(f"{FREE} /\n&frame gamma=1.0, T_s=1.0, xi_s=0.05 /")
-    with pytest.raises(rwmf.InputError, match="&base: must not be given for a host"):
-        rwmf.Wall(case)
     with pytest.raises(rwmf.InputError, match="&base: must not be given for a static curve"):
         rwmf.pushover(case, [0.01])
 

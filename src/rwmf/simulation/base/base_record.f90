@@ -20,7 +20,7 @@ module rwmf_simulation_base_base_record
    implicit none
    private
 
-   public :: base_record_t, create_record, observe_step, stored_t, stored_energies
+   public :: base_record_t, create_record, find_columns, observe_step, stored_t, stored_energies
    public :: of_u, of_theta, of_rate, of_middle, of_left, of_right, of_normal, of_shear
    public :: of_contact, of_slip, of_tendon, of_stress, of_total, of_drift, first_floor
 
@@ -143,17 +143,35 @@ contains
       end associate
    end subroutine create_record
 
-   !> Name the columns of the history and allocate its rows.
+   !> Allocate the rows of the history.
    subroutine create_history(case, scene, record, error)
       type(case_t), intent(in) :: case
       type(base_scene_t), intent(in) :: scene
       type(base_record_t), intent(inout) :: record
       type(error_t), allocatable, intent(out) :: error
-      character(key_length), allocatable :: names(:)
       real(wp) :: rows
-      integer :: i, n, status
+      integer :: status
 
-      allocate (record%history, names(40 + 2*scene%frame%n), record%columns(40 + 2*scene%frame%n))
+      allocate (record%history)
+      call name_columns(case, scene, record)
+      rows = aint(case%solver%t_end/record%dt*(1 + 8*epsilon(1.0_wp))) + 1
+      status = 1
+      if (rows < real(huge(1), wp)) allocate (record%history%values(int(rows), &
+         size(record%columns)), stat=status)
+      if (status /= 0) call fail(error, err_numerical, 'out of memory for the history: &output ' &
+         //'dt gives more rows than fit; raise dt or lower t_end', 'out_of_memory')
+   end subroutine create_history
+
+   !> Name the columns of the history.
+   subroutine name_columns(case, scene, record)
+      type(case_t), intent(in) :: case
+      type(base_scene_t), intent(in) :: scene
+      type(base_record_t), intent(inout) :: record
+      !! with an allocated history
+      character(key_length), allocatable :: names(:)
+      integer :: i, n
+
+      allocate (names(40 + 2*scene%frame%n), record%columns(40 + 2*scene%frame%n))
       n = 0
       call add(id%t_s, 0)
       call add(id%theta_rad, of_theta)
@@ -179,11 +197,6 @@ contains
       end do
       record%columns = record%columns(:n)
       record%history%names = names(:n)(:len(record%history%names))
-      rows = aint(case%solver%t_end/record%dt*(1 + 8*epsilon(1.0_wp))) + 1
-      status = 1
-      if (rows < real(huge(1), wp)) allocate (record%history%values(int(rows), n), stat=status)
-      if (status /= 0) call fail(error, err_numerical, 'out of memory for the history: &output ' &
-         //'dt gives more rows than fit; raise dt or lower t_end', 'out_of_memory')
 
    contains
 
@@ -204,7 +217,36 @@ contains
          names(n) = all_quantities(row)%key
          record%columns(n) = column_t(column, weight_under(case, quantity))
       end subroutine add
-   end subroutine create_history
+   end subroutine name_columns
+
+   !> Find the columns of a history at one instant.
+   subroutine find_columns(case, scene, regime, series, t, names, values)
+      type(case_t), intent(in) :: case
+      type(base_scene_t), intent(in) :: scene
+      type(base_regime_t), intent(in) :: regime
+      type(base_series_t), intent(in) :: series
+      !! of the instant
+      real(wp), intent(in) :: t
+      !! [s]
+      character(32), allocatable, intent(out) :: names(:)
+      !! (columns)
+      real(wp), allocatable, intent(out) :: values(:)
+      !! (columns) in the units of the names
+      type(base_record_t) :: record
+      integer :: i
+
+      allocate (record%series(0:highest_order, first_floor - 1 + 2*scene%frame%n), source=0.0_wp)
+      allocate (record%is_sought(0), record%history)
+      call name_columns(case, scene, record)
+      call fill_columns(scene, regime, series, record)
+      names = record%history%names
+      values = [(t, i=1, size(names))]
+      do i = 1, size(names)
+         associate (column => record%columns(i))
+            if (column%number > 0) values(i) = column%factor*record%series(0, column%number)
+         end associate
+      end do
+   end subroutine find_columns
 
    !> Record a step.
    subroutine observe_step(scene, regime, t, h, series, record)
@@ -420,7 +462,8 @@ contains
 
       do while (record%rows < size(record%history%values, 1))
          time = record%rows*record%dt
-         if (time > t + h) return
+         ! the next step writes the row at its start
+         if (time > t .and. time >= t + h) return
          record%rows = record%rows + 1
          do i = 1, size(record%columns)
             associate (column => record%columns(i))

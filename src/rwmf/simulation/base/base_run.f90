@@ -24,7 +24,8 @@ module rwmf_simulation_base_base_run
    implicit none
    private
 
-   public :: run_on_base
+   public :: base_motion_t, run_on_base, begin_on_base, advance_on_base, expand_present
+   public :: result_on_base
 
    integer, parameter :: least_order = 6
    real(wp), parameter :: share = 0.1_wp
@@ -32,17 +33,25 @@ module rwmf_simulation_base_base_run
    real(wp), parameter :: weight = 0.1_wp
    !! of the term before the last one [-]
 
-   !> Progress of a run.
-   type :: progress_t
+   !> Scene, state and records of a run.
+   type :: base_motion_t
+      type(base_scene_t) :: scene
+      type(base_regime_t) :: regime
+      type(base_record_t) :: record
+      type(base_series_t) :: series
+      !! that of the last step, or of the present state
+      type(base_function_t), allocatable :: functions(:)
+      !! functions that end the regime
       real(wp) :: t = 0
       !! [s]
       real(wp), allocatable :: y(:)
-      !! (states)
+      !! (states) as of `set_state`
       real(wp), allocatable :: allowed(:)
       !! (states) largest last term of their series
       real(wp) :: settlement
       !! largest settlement of an edge so far [m]
       real(wp) :: rtol
+      !! relative tolerance [-]
       integer :: highest
       !! order beyond which steps become shorter instead
       integer :: events = 0
@@ -50,14 +59,13 @@ module rwmf_simulation_base_base_run
       integer(i8) :: steps = 0
       integer(i8) :: evaluations = 0
       logical :: has_overturned = .false.
-   end type progress_t
+   end type base_motion_t
 
 contains
 
    !> Integrate a case with `&base`.
    !>
-   !> Errors: `err_input` if the base crushes under the wall at rest; `err_numerical` after too many
-   !> steps; `err_interrupt`.
+   !> Errors: those of `begin_on_base` and `advance_on_base`.
    subroutine run_on_base(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       !! valid case whose frame has T_s
@@ -65,162 +73,180 @@ contains
       type(control_t), intent(in) :: control
       type(result_t), intent(inout) :: result
       type(error_t), allocatable, intent(out) :: error
-      type(base_scene_t) :: scene
-      type(base_regime_t) :: regime
-      type(base_record_t) :: record
-      type(base_series_t) :: series
-      type(base_function_t), allocatable :: functions(:)
-      type(progress_t) :: progress
+      type(base_motion_t) :: wall
+
+      call begin_on_base(case, 0.0_wp, wall, error)
+      if (allocated(error)) return
+      call advance_on_base(case, motion, case%solver%t_end, control, wall, error)
+      if (allocated(error)) return
+      call expand_present(motion, wall, wall%record)
+      call result_on_base(case, wall, result)
+   end subroutine run_on_base
+
+   !> Begin at rest or with the rotation of `&initial`.
+   !>
+   !> Errors: `err_numerical` for another method, `err_input` if the base crushes under the wall at
+   !> rest.
+   subroutine begin_on_base(case, t_begin, wall, error)
+      type(case_t), intent(in) :: case
+      !! valid case whose frame has T_s
+      real(wp), intent(in) :: t_begin
+      !! [s]
+      type(base_motion_t), intent(out) :: wall
+      type(error_t), allocatable, intent(out) :: error
 
       if (case%solver%method /= 'auto' .and. case%solver%method /= 'taylor') then
          call fail(error, err_numerical, "&base is integrated by 'taylor' only, not by '" &
             //case%solver%method//"'", 'not_practised')
          return
       end if
-      call build_base_scene(case, scene, error)
+      call build_base_scene(case, wall%scene, error)
       if (allocated(error)) return
-      call begin_state(case, scene, progress)
-      call begin_regime(scene, progress%y, regime)
-      call create_series(scene, series)
-      call create_record(case, scene, regime, progress%y, record, error)
-      if (allocated(error)) return
-      allocate (functions(size(regime%passed)))
-      do while (progress%t < case%solver%t_end .and. .not. progress%has_overturned)
-         call take_step(case, scene, motion, series, functions, regime, record, progress, error)
+      allocate (wall%y(state_count(wall%scene)), wall%allowed(state_count(wall%scene)), &
+         source=0.0_wp)
+      if (allocated(case%initial)) then
+         wall%y(1) = case%initial%theta_over_alpha*wall%scene%alpha
+         wall%y(2) = case%initial%theta_dot
+      end if
+      wall%t = t_begin
+      wall%y(5) = settlement_at_rest(wall%scene, wall%y(1))
+      wall%settlement = -wall%scene%z_0
+      wall%rtol = case%solver%rtol
+      wall%highest = min(max(8, 2*nint(-0.55_wp*log10(wall%rtol)) + 2), highest_order - 1, &
+         highest_degree)
+      call begin_regime(wall%scene, wall%y, wall%regime)
+      call create_series(wall%scene, wall%series)
+      call create_record(case, wall%scene, wall%regime, wall%y, wall%record, error)
+      allocate (wall%functions(size(wall%regime%passed)))
+   end subroutine begin_on_base
+
+   !> Advance to a time, or until the wall overturns.
+   !>
+   !> Errors: `err_numerical` after too many steps, `err_interrupt`.
+   subroutine advance_on_base(case, motion, t_end, control, wall, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t_end
+      !! [s]
+      type(control_t), intent(in) :: control
+      type(base_motion_t), intent(inout) :: wall
+      type(error_t), allocatable, intent(out) :: error
+
+      do while (wall%t < t_end .and. .not. wall%has_overturned)
+         call take_step(case, motion, t_end, wall, error)
          if (allocated(error)) return
-         call check_work(case, control, progress, error)
+         call check_work(case, control, wall, error)
          if (allocated(error)) return
       end do
-      if (case%solver%t_end <= 0) call observe_start(scene, motion, series, regime, record, &
-         progress)
-      result%steps = progress%steps
-      result%rhs_evaluations = progress%evaluations
-      result%t_end = progress%t
-      result%final_state = progress%y
-      result%overturned = progress%has_overturned
-      call fill_base_result(case, scene, regime, record, progress%y, result)
-   end subroutine run_on_base
+   end subroutine advance_on_base
 
-   !> Begin at rest or with the rotation of `&initial`.
-   subroutine begin_state(case, scene, progress)
+   !> Expand the series of the present state, and record it.
+   subroutine expand_present(motion, wall, record)
+      type(motion_t), intent(in) :: motion
+      type(base_motion_t), intent(inout) :: wall
+      type(base_record_t), intent(inout) :: record
+
+      call begin_step(motion, interval_at(motion, wall%t), 0.0_wp, wall)
+      call expand(wall%scene, wall%regime%base_mode_t, 1, wall%series)
+      call observe_step(wall%scene, wall%regime, wall%t, 0.0_wp, wall%series, record)
+   end subroutine expand_present
+
+   !> Fill the result of a run that ends at the present time.
+   subroutine result_on_base(case, wall, result)
       type(case_t), intent(in) :: case
-      type(base_scene_t), intent(in) :: scene
-      type(progress_t), intent(inout) :: progress
+      type(base_motion_t), intent(inout) :: wall
+      type(result_t), intent(inout) :: result
 
-      allocate (progress%y(state_count(scene)), progress%allowed(state_count(scene)), source=0.0_wp)
-      if (allocated(case%initial)) then
-         progress%y(1) = case%initial%theta_over_alpha*scene%alpha
-         progress%y(2) = case%initial%theta_dot
-      end if
-      progress%y(5) = settlement_at_rest(scene, progress%y(1))
-      progress%settlement = -scene%z_0
-      progress%rtol = case%solver%rtol
-      progress%highest = min(max(8, 2*nint(-0.55_wp*log10(progress%rtol)) + 2), &
-         highest_order - 1, highest_degree)
-   end subroutine begin_state
+      result%steps = wall%steps
+      result%rhs_evaluations = wall%evaluations
+      result%t_end = wall%t
+      result%final_state = wall%y
+      result%overturned = wall%has_overturned
+      call fill_base_result(case, wall%scene, wall%regime, wall%record, wall%y, result)
+   end subroutine result_on_base
 
    !> Take a step, which ends at an event, a knot of the motion or the end of its series.
-   subroutine take_step(case, scene, motion, series, functions, regime, record, progress, error)
+   subroutine take_step(case, motion, t_end, wall, error)
       type(case_t), intent(in) :: case
-      type(base_scene_t), intent(in) :: scene
       type(motion_t), intent(in) :: motion
-      type(base_series_t), intent(inout) :: series
-      type(base_function_t), intent(inout) :: functions(:)
-      type(base_regime_t), intent(inout) :: regime
-      type(base_record_t), intent(inout) :: record
-      type(progress_t), intent(inout) :: progress
+      real(wp), intent(in) :: t_end
+      type(base_motion_t), intent(inout) :: wall
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_events = 1000
       real(wp) :: h, longest, reach, t_next
       integer :: event, interval, n
 
-      interval = interval_at(motion, progress%t)
-      t_next = min(interval_end(motion, interval), case%solver%t_end)
-      longest = t_next - progress%t
-      call begin_step(motion, interval, longest, series, progress)
-      call allow_terms(scene, progress)
-      do
-         call expand(scene, regime%base_mode_t, min(max(series%order + 2, least_order), &
-            progress%highest), series)
-         reach = accurate_length(progress, series, longest)
-         if (series%order == progress%highest .or. reach >= longest) exit
-      end do
-      progress%evaluations = progress%evaluations + series%order + 1
-      call collect_functions(scene, regime, case%model%overturning_angle, series, functions, n)
-      call find_event(functions(:n), series%order, reach, event, h)
-      call observe_step(scene, regime, progress%t, h, series, record)
-      call move_states(series, h, progress%y)
-      progress%steps = progress%steps + 1_i8
-      if (event == 0 .and. h >= longest) then
-         progress%t = t_next
-      else
-         progress%t = progress%t + h
-      end if
-      if (h > 0) then
-         progress%events = 0
-         regime%passed = .false.
-      end if
-      progress%settlement = max(progress%settlement, scene%b*abs(sin(progress%y(1))) &
-         - progress%y(5))
-      if (.not. all(ieee_is_finite(progress%y)) .or. progress%events > most_events) then
-         call fail(error, err_numerical, 'the integration fails at t = ' &
-            //trim(real_to_text(progress%t))//' s: raise rtol')
-      end if
-      if (allocated(error) .or. event == 0) return
-      progress%events = progress%events + 1
-      associate (number => functions(event)%number)
-         progress%has_overturned = number == of_overturning .or. number == of_overturning + 1
-         call change_regime(scene, number, progress%t, h, progress%y, series, regime)
+      interval = interval_at(motion, wall%t)
+      t_next = min(interval_end(motion, interval), t_end)
+      longest = t_next - wall%t
+      call begin_step(motion, interval, longest, wall)
+      call allow_terms(wall)
+      associate (scene => wall%scene, regime => wall%regime, series => wall%series)
+         do
+            call expand(scene, regime%base_mode_t, min(max(series%order + 2, least_order), &
+               wall%highest), series)
+            reach = accurate_length(wall, longest)
+            if (series%order == wall%highest .or. reach >= longest) exit
+         end do
+         wall%evaluations = wall%evaluations + series%order + 1
+         call collect_functions(scene, regime, case%model%overturning_angle, series, &
+            wall%functions, n)
+         call find_event(wall%functions(:n), series%order, reach, event, h)
+         call observe_step(scene, regime, wall%t, h, series, wall%record)
+         call move_states(series, h, wall%y)
+         wall%steps = wall%steps + 1_i8
+         if (event == 0 .and. h >= longest) then
+            wall%t = t_next
+         else
+            wall%t = wall%t + h
+         end if
+         if (h > 0) then
+            wall%events = 0
+            regime%passed = .false.
+         end if
+         wall%settlement = max(wall%settlement, scene%b*abs(sin(wall%y(1))) - wall%y(5))
+         if (.not. all(ieee_is_finite(wall%y)) .or. wall%events > most_events) then
+            call fail(error, err_numerical, 'the integration fails at t = ' &
+               //trim(real_to_text(wall%t))//' s: raise rtol')
+         end if
+         if (allocated(error) .or. event == 0) return
+         wall%events = wall%events + 1
+         associate (number => wall%functions(event)%number)
+            wall%has_overturned = number == of_overturning .or. number == of_overturning + 1
+            call change_regime(scene, number, wall%t, h, wall%y, series, regime)
+         end associate
       end associate
    end subroutine take_step
 
    !> Begin the series of a step with state and ground motion.
-   subroutine begin_step(motion, interval, longest, series, progress)
+   subroutine begin_step(motion, interval, longest, wall)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
       real(wp), intent(in) :: longest
       !! [s]
-      type(base_series_t), intent(inout) :: series
-      type(progress_t), intent(in) :: progress
+      type(base_motion_t), intent(inout) :: wall
       real(wp) :: ground(0:highest_order), upward(0:highest_order)
       integer :: known
 
       ground = 0
       upward = 0
       known = highest_order
-      call expand_ground(motion, interval, progress%t, longest, known, ground, upward)
+      call expand_ground(motion, interval, wall%t, longest, known, ground, upward)
       ground(known + 1:) = 0
       upward(known + 1:) = 0
-      call set_state(progress%y, ground, upward, series)
+      call set_state(wall%y, ground, upward, wall%series)
    end subroutine begin_step
-
-   !> Record the start of a run without duration.
-   subroutine observe_start(scene, motion, series, regime, record, progress)
-      type(base_scene_t), intent(in) :: scene
-      type(motion_t), intent(in) :: motion
-      type(base_series_t), intent(inout) :: series
-      type(base_regime_t), intent(in) :: regime
-      type(base_record_t), intent(inout) :: record
-      type(progress_t), intent(in) :: progress
-
-      call begin_step(motion, interval_at(motion, 0.0_wp), 0.0_wp, series, progress)
-      call expand(scene, regime%base_mode_t, 1, series)
-      call observe_step(scene, regime, 0.0_wp, 0.0_wp, series, record)
-   end subroutine observe_start
 
    !> Set the largest last terms of the series. The settlement of the edges, on which all forces
    !> depend, sets the size of the states: it is far smaller than the motion.
-   subroutine allow_terms(scene, progress)
-      type(base_scene_t), intent(in) :: scene
-      type(progress_t), intent(inout) :: progress
+   subroutine allow_terms(wall)
+      type(base_motion_t), intent(inout) :: wall
       real(wp) :: length, speed
       !! [m], [m/s]
-      integer :: free
 
-      free = scene%frame%free
-      length = share*progress%rtol*progress%settlement
-      speed = length*sqrt(2*scene%b*scene%kappa)
-      associate (allowed => progress%allowed)
+      associate (scene => wall%scene, free => wall%scene%frame%free, allowed => wall%allowed)
+         length = share*wall%rtol*wall%settlement
+         speed = length*sqrt(2*scene%b*scene%kappa)
          allowed(1:6) = [length/scene%b, speed/scene%b, length, speed, length, speed]
          allowed(7:6 + free) = length
          allowed(7 + free:) = speed
@@ -228,16 +254,15 @@ contains
    end subroutine allow_terms
 
    !> Length at which the last two terms of all series are small [s].
-   pure real(wp) function accurate_length(progress, series, longest) result(h)
-      type(progress_t), intent(in) :: progress
-      type(base_series_t), intent(in) :: series
+   pure real(wp) function accurate_length(wall, longest) result(h)
+      type(base_motion_t), intent(in) :: wall
       real(wp), intent(in) :: longest
       !! [s]
       integer :: i, free
 
       h = longest
-      free = size(series%q, 2)
-      associate (of => series, n => series%order)
+      free = wall%scene%frame%free
+      associate (of => wall%series)
          call shorten(of%theta, 1)
          call shorten(of%theta_dot, 2)
          call shorten(of%x, 3)
@@ -258,7 +283,7 @@ contains
          integer, intent(in) :: i
          real(wp) :: last, before
 
-         associate (n => series%order, allowed => progress%allowed(i))
+         associate (n => wall%series%order, allowed => wall%allowed(i))
             last = abs(c(n))
             before = weight*abs(c(n - 1))
             if (last*h**n > allowed) h = (allowed/last)**(1.0_wp/n)
@@ -289,18 +314,18 @@ contains
    end subroutine move_states
 
    !> Check the number of steps and the caller's request to stop.
-   subroutine check_work(case, control, progress, error)
+   subroutine check_work(case, control, wall, error)
       type(case_t), intent(in) :: case
       type(control_t), intent(in) :: control
-      type(progress_t), intent(in) :: progress
+      type(base_motion_t), intent(in) :: wall
       type(error_t), allocatable, intent(out) :: error
 
       if (is_cancelled(control)) then
-         call fail(error, err_interrupt, 'interrupted at t = '//trim(real_to_text(progress%t)) &
+         call fail(error, err_interrupt, 'interrupted at t = '//trim(real_to_text(wall%t)) &
             //' s')
-      else if (progress%steps > case%solver%max_steps) then
+      else if (wall%steps > case%solver%max_steps) then
          call fail(error, err_numerical, 'more than &solver max_steps steps by t = ' &
-            //trim(real_to_text(progress%t))//' s, theta = '//trim(real_to_text(progress%y(1))) &
+            //trim(real_to_text(wall%t))//' s, theta = '//trim(real_to_text(wall%y(1))) &
             //': raise max_steps or rtol, or shorten t_end', 'too_many_steps')
       end if
    end subroutine check_work
