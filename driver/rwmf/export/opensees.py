@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from rwmf.case import Case
-from rwmf.export.si_building import BentWall, Building, Frame, Law, read_building
+from rwmf.export.si_building import Base, BentWall, Building, Frame, Law, read_building
 
 # angular frequency of the wall on both its corners [rad/s], and the step that resolves it [s]
 _CORNER_RATE = 8000.0
@@ -21,6 +21,10 @@ _MAST_RATE = 2000.0
 _BLOW, _BLOW_OF_MAST = 2e-3, 6e-3
 # elements over the height of a wall that bends; axial stiffness of the wall over that of a pad
 _ELEMENTS, _AXIAL = 24, 2.0
+# springs under a base that gives
+_STRIPS = 60
+# part of the vertical vibration on them in a step [rad]
+_RADIANS = 0.02
 # length of a link that remains horizontal [m]
 _LONG = 100.0
 _HEAD = '''"""Building of {source}, written by `rwmf export opensees`.
@@ -106,13 +110,14 @@ class _Script:
         given = self.building
         values = {
             "G": given.g,
-            "DT": _STEP_OF_WALL if given.m_w else _STEP_OF_FRAME,
+            "DT": self._step(),
             "T_END": given.t_end,
             "ALPHA": given.alpha if given.m_w else 0.0,
             "WEIGHT": given.m_w * given.g,
             "INTERVAL": given.dt,
             "BLOW": self.blow,
             "CORNERS": self.corners,
+            "GIVES": given.base is not None,
             "TURNED": self.turned,
             "TOP": 5 if given.bent is not None else 0,
             "HEIGHT": 2 * given.h,
@@ -131,6 +136,14 @@ class _Script:
         if given.a_v.size:
             lines += self._samples("A_V", given.a_v, "vertical")
         return "\n".join(lines) + "\n"
+
+    def _step(self) -> float:
+        """Return the step [s]: that of the frame, of the pads, or of the strip under the base."""
+        given = self.building
+        if given.base is None:
+            return _STEP_OF_WALL if given.m_w else _STEP_OF_FRAME
+        rate = math.sqrt(2 * given.b * given.base.k / given.m_w)
+        return min(_STEP_OF_FRAME, _RADIANS / rate)
 
     def _samples(self, name: str, values: np.ndarray, way: str) -> list[str]:
         rows = [", ".join(f"{x:.9g}" for x in values[i : i + 8]) for i in range(0, values.size, 8)]
@@ -253,6 +266,9 @@ class _Script:
             self._title("hinge of the base")
             self._do("fix", 1, 1, 1, 0)
             return
+        if given.base is not None:
+            self._strip(given.base)
+            return
         self._title("corners: no-tension springs in a groove, on a pad with critical damping")
         self._note(
             "each corner is on a pad of spring and dashpot that absorbs the blow; rwmf balances",
@@ -270,6 +286,28 @@ class _Script:
                 self._node(22 + side, axis_x + x, 0.0, 0, 0, 1)
                 self._element("zeroLength", 12 + side, 22 + side, *pads)
                 self.corners.append(self._element("zeroLength", 22 + side, 2 + side, *springs))
+
+    def _strip(self, base: Base) -> None:
+        """Put springs without tension under the base."""
+        b = self.building.b
+        self._title("springs of the base, without tension, with damping in contact")
+        self._note(
+            f"the base is on {_STRIPS} springs without tension. Their dashpots act while they are",
+            "pressed in; rwmf bounds the damped stress at zero",
+        )
+        self._do("fix", 1, 1, 0, 0)
+        spring = self._material("ENT", base.k * 2 * b / _STRIPS)
+        area, tags = 1e4 * self.k * b, []
+        for i in range(_STRIPS):
+            x = b * ((2 * i + 1) / _STRIPS - 1)
+            self._node(600 + i, x, 0.0)
+            self._node(800 + i, x, 0.0, 1, 1, 1)
+            self._element("elasticBeamColumn", 1, 600 + i, area, 1.0, area * b * b, 1)
+            tags.append(
+                self._element("zeroLength", 800 + i, 600 + i, "-mat", spring, "-dir", 2,
+                              "-doRayleigh", 1)
+            )  # fmt: skip
+        self._do("region", 1, "-ele", *tags, "-rayleigh", 0.0, base.delay, 0.0, 0.0)
 
     def _devices(self) -> None:
         """Put fuses and dampers between the corners and the ground."""
@@ -312,7 +350,7 @@ class _Script:
         ]
 
     def _tendon(self) -> None:
-        tendon, length = self.building.tendon, 2 * self.building.h
+        given, tendon, length = self.building, self.building.tendon, 2 * self.building.h
         if tendon is None:
             return
         self._title("tendon")
@@ -324,7 +362,11 @@ class _Script:
         else:
             material = self._material("Steel01", tendon.force_y, k, tendon.hardening)
             self._note("a tendon that has gone slack pushes")
-        material = self._material("InitStressMaterial", material, tendon.force)
+        force = tendon.force
+        if given.base is not None:
+            # stressed on the settled wall
+            force += tendon.k * (given.m_w * given.g + force) / (2 * given.b * given.base.k)
+        material = self._material("InitStressMaterial", material, force)
         if not math.isinf(tendon.elongation_at_rupture):
             strain = tendon.elongation_at_rupture / unit
             material = self._material("MinMax", material, "-max", strain)

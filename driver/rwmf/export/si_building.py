@@ -152,6 +152,22 @@ class Coupling:
 
 
 @dataclass(frozen=True)
+class Base:
+    """Strip of springs without tension under the wall.
+
+    Attributes
+    ----------
+    k : float
+        Stiffness over its length [N/m2].
+    delay : float
+        Damping over stiffness [s].
+    """
+
+    k: float
+    delay: float
+
+
+@dataclass(frozen=True)
 class Building:
     """A case in SI units.
 
@@ -167,6 +183,8 @@ class Building:
         Gravity [m/s2].
     is_pinned : bool
         Whether the wall is hinged.
+    base : Base or None
+        The strip under the wall; None for rigid corners.
     bent : BentWall or None
         Stiffness of a wall that bends; None for a rigid wall.
     link : float
@@ -196,6 +214,7 @@ class Building:
     coupling: Coupling | None
     g: float
     is_pinned: bool
+    base: Base | None
     bent: BentWall | None
     link: float
     frame: Frame | None
@@ -247,6 +266,7 @@ def read_building(case: Case) -> Building:
         coupling=None if case.coupling is None else _coupling(case, m_w),
         g=g,
         is_pinned=wall is not None and wall.base == "pinned",
+        base=None if case.base is None else _base(case, m_w),
         bent=None if case.bending is None else _bent_wall(case, m_w),
         link=math.inf if case.link is None else case.link.L,
         frame=None if case.frame is None else _frame(case, m_w),
@@ -266,7 +286,7 @@ _LAWS = ("elastic_plastic", "flag", "peak_oriented", "pinched")
 _EXPORTED = {
     "wall", "frame", "storeys", "yielding", "fuse", "damper", "nl_damper", "cable", "p_delta",
     "link", "vertical", "initial", "impact", "motion", "model", "solver", "output", "bending",
-    "coupling",
+    "coupling", "base",
 }  # fmt: skip
 
 
@@ -281,13 +301,16 @@ def _refuse(case: Case) -> None:
         for key in ("offset", "height"):
             if group is not None and key in group:
                 stop(name, f"{key} in this export: elements at the axis and the corners only")
+    for key in ("mu", "d_y"):
+        if case.base is not None and key in case.base:
+            stop("base", f"{key} in this export: an elastic base that does not slide only")
     if case.inerter is not None:
         stop("inerter", "an inerter; leave the group out")
     for name in ("yielding", "fuse", "coupling"):
         group = getattr(case, name)
         if group is not None and group.law not in _LAWS:
             stop(name, f"law = '{group.law}'; it has {', '.join(_LAWS)}")
-    rocks = case.wall is not None and case.wall.base == "rocking"
+    rocks = case.wall is not None and case.wall.base == "rocking" and case.base is None
     if rocks and case.impact.rule not in ("coupled", "housner"):
         stop("impact", f"rule = '{case.impact.rule}'; its impacts follow rule = 'coupled'")
     if rocks and case.impact.rule == "housner" and case.frame is not None:
@@ -322,6 +345,16 @@ def _coupling(case: Case, m_w: float) -> Coupling:
     if "c_over_m_w" in group:
         c = single("&coupling: c_over_m_w", group.c_over_m_w) * m_w
     return Coupling(law, c, group.span)
+
+
+def _base(case: Case, m_w: float) -> Base:
+    """Return the strip under the wall; `m_w` scales the ratios."""
+    base = case.base
+    stiffness = base.k_t_over_m_w
+    delay = base.get("delay")
+    if delay is None:
+        delay = 2 * base.xi / math.sqrt(2 * case.wall.b * stiffness)
+    return Base(stiffness * m_w, delay)
 
 
 def _bent_wall(case: Case, m_w: float) -> BentWall:
