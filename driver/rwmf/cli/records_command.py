@@ -109,6 +109,7 @@ def join(options: argparse.Namespace) -> int:
 
 def process(options: argparse.Namespace) -> int:
     """Correct a record by explicit steps (``rwmf records process``)."""
+    files.check_outputs([options.out, options.plot], [options.record])
     figures.check_formats(options.plot)
     raw = records.read(options.record, unit=options.unit, dt=options.dt, channel=options.channel)
     found = records.process(

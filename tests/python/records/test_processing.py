@@ -100,6 +100,8 @@ def test_the_file_lists_its_steps_and_is_read_as_it_is(command: Runner, tmp_path
     assert (read.unit, read.dt) == ("m/s2", 0.005)
     assert np.array_equal(read.values, expected.motion.values)
     assert [line for line in found.stdout.splitlines() if line[:2] in ("1.", "2.", "3.", "4.")]
+    found = command("records", "process", *words, *steps, "--force", "--plot", "raw.txt")
+    assert found.returncode == 2 and "is read by this run" in found.stderr
     case = rwmf.Case.from_text(
         f"&frame T_s = 1.0, xi_s = 0.05 /\n&motion kind = 'record', file = '{tmp_path}/new.txt' /"
     )
