@@ -23,6 +23,8 @@ from rwmf._extras import how_to_install
 from rwmf._files import files
 from rwmf._numbers import show, to_array, to_number, to_whole
 from rwmf._records.facts import describe
+from rwmf._records.processing import Processed, Steps
+from rwmf._records.processing import process as apply_steps
 from rwmf._records.reader import read_bytes, read_channels
 from rwmf._records.sequence import join
 from rwmf._sweep.intensity import G
@@ -32,6 +34,7 @@ from rwmf.errors import InputError, OutputError, did_you_mean
 
 __all__ = [
     "RECORDS",
+    "Processed",
     "Record",
     "RecordPair",
     "Selection",
@@ -40,6 +43,7 @@ __all__ = [
     "info",
     "list_records",
     "pairs",
+    "process",
     "read",
     "select",
     "sequence",
@@ -330,6 +334,79 @@ def sequence(
     if len(pair) != 2:
         raise InputError(f"factors = {show(factors)}: must be two numbers")
     return join((shocks[0], shocks[1]), to_number("pause", pause, above=0.0), (pair[0], pair[1]))
+
+
+@checked
+def process(
+    motion: Motion | str | os.PathLike[str],
+    *,
+    resample: float | None = None,
+    baseline: int | None = None,
+    taper: float | None = None,
+    band: Sequence[float] | None = None,
+    poles: int = 4,
+    unit: str | None = None,
+    dt: float | None = None,
+    channel: int | None = None,
+) -> Processed:
+    """Correct a record by explicit steps, in the order of the arguments.
+
+    Parameters
+    ----------
+    motion : Motion, str or path
+        The record, or its file as for `read`.
+    resample : float, optional
+        Interval of the samples on the straight lines between those of the record [s]; required for
+        uneven times, at most their usual interval.
+    baseline : int, optional
+        Order of a polynomial, at most 6. Its integral fits the velocity by least squares, and it is
+        subtracted from the acceleration.
+    taper : float, optional
+        Length of the cosine from zero at both ends [s].
+    band : sequence of two floats, optional
+        Corner frequencies of a Butterworth filter that runs in both directions [Hz]; 0 or infinity
+        leaves a side out. Zeros of 0.75 `poles` over the lower corner precede and follow the
+        record, and remain.
+    poles : int
+        Poles of the filter, 1 to 10.
+    unit : str, optional
+        Unit of the samples of a file that does not give it.
+    dt : float, optional
+        Sampling interval of a file of one column [s].
+    channel : int, optional
+        Number of the channel of a file with several.
+
+    Returns
+    -------
+    Processed
+        The motion and the steps in words.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be read, no step is given, or a number is not acceptable.
+
+    Notes
+    -----
+    Zeros around a filtered record: Converse and Brady, USGS Open-File Report 92-296A (1992).
+    """
+    record = motion
+    if not isinstance(record, Motion):
+        record = read(record, unit=unit, dt=dt, channel=channel)
+    corners = None
+    if band is not None:
+        found = to_array("band", band, is_finite=False).tolist()
+        if len(found) != 2 or np.isnan(found).any():
+            raise InputError(f"band = {show(band)}: must be two frequencies [Hz]")
+        corners = (found[0], found[1])
+    steps = Steps(
+        resample=None if resample is None else to_number("resample", resample, above=0.0),
+        baseline=None if baseline is None else to_whole("baseline", baseline, 0, 6),
+        taper=None if taper is None else to_number("taper", taper, above=0.0),
+        band=corners,
+        poles=to_whole("poles", poles, 1, 10),
+    )
+    return apply_steps(record, steps)
 
 
 def _header(record: Record, source: Path) -> bytes:

@@ -309,7 +309,7 @@ def footing(
     Notes
     -----
     Static stiffnesses of Pais and Kausel, NIST GCR 12-917-21, Table 2-2a, with the half sides
-    B <= L. ASCE 41, Figure 8-2, has them with whole sides. Damping: Table 2-3a, with
+    B <= L. ASCE 41-17, Figure 8-2, has them with whole sides. Damping: Table 2-3a, with
     psi = sqrt(2 (1 - nu)/(1 - 2 nu)), at most 2.5, which is C_z = 4 psi B L sqrt(G density).
 
     Examples

@@ -68,6 +68,13 @@ ALONE = {
     + storeys(4, "full")
     + CABLE
     + "&coupling k = 2e6, c = 1e4, span = 1.5 /",
+    "elements off the axis": WALL
+    + FRAME
+    + "&cable offset = -0.7, 0.4, height = 10.0, 8.0, eta_0 = 0.5, 0.4, eta_alpha = 3.0, 2.0, "
+    + "law = 'truss' / &fuse offset = -1.6, 0.5, F_y = 40e3, 20e3, k = 2e7, 2e7, "
+    + "hardening = 0.02 / "
+    + "&damper offset = 0.3, c = 3e4 / "
+    + "&restraint offset = -1.2, 3.0, height = 5.0, 10.0, k = 4e5, 2e5, c = 0.0, 5e3 /",
     "hinge": "&wall h = 5.0, b = 1.2, m_w = 40e3, base = 'pinned' /" + FRAME,
 }
 BUILDINGS = {

@@ -29,8 +29,8 @@ def join(shocks: tuple[Motion, Motion], pause: float, factors: tuple[float, floa
     steps = [_step(shocks[0].times, -1), _step(shocks[1].times, 0)]
     if pause < sum(steps):
         raise InputError(f"pause = {pause:g}: must be at least {sum(steps):g} s, one step of each")
-    dt = _interval(shocks[0])
-    if dt is not None and dt == _interval(shocks[1]):
+    dt = interval_of(shocks[0])
+    if dt is not None and dt == interval_of(shocks[1]):
         count = round(pause / dt)
         if abs(count * dt - pause) <= _ROUNDING * dt:
             rest = np.zeros(count - 1)
@@ -48,7 +48,7 @@ def _step(times: npt.NDArray[np.float64], i: int) -> float:
     return float(np.diff(times)[i])
 
 
-def _interval(motion: Motion) -> float | None:
+def interval_of(motion: Motion) -> float | None:
     """Return the interval of the samples; None for uneven times."""
     times = motion.times
     dt = motion.dt or float(f"{(times[-1] - times[0]) / (times.size - 1):.12g}")

@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from rwmf.errors import InputError
+from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
+    from rwmf.case.group import Group
     from rwmf.case.groups import Cable
 
-__all__ = ["each", "single", "total"]
+__all__ = ["elements_of", "total"]
 
 
-def each(value: float | tuple[float, ...], n: int) -> list[float]:
-    """Return the numbers of n elements."""
-    numbers = value if isinstance(value, tuple) else (value,)
-    return [float(number) for number in numbers] * (n // len(numbers))
-
-
-def single(name: str, value: float | tuple[float, ...]) -> float:
-    """Return the number that all elements of a group share; refuse different numbers."""
-    numbers = value if isinstance(value, tuple) else (value,)
-    if len(set(numbers)) > 1:
-        raise InputError(f"{name}: {', '.join(map(str, numbers))}: must be one number here")
-    return float(numbers[0])
+def elements_of(group: Group, *default: float) -> list[dict[str, Any]]:
+    """Return the values of each element of a group; `default` are the offsets without `offset`."""
+    offsets = group.get("offset", default)
+    given = {"offset": offsets} | {key: group[key] for key in group if key != "offset"}
+    n = len(cast("tuple[float, ...]", offsets))
+    return [
+        {
+            key: value[i % len(value)] if isinstance(value, tuple) else value
+            for key, value in given.items()
+        }
+        for i in range(n)
+    ]
 
 
 def total(cable: Cable, value: float | tuple[float, ...]) -> float:
     """Return the sum of a force over all tendons."""
-    return sum(each(value, len(cable.offset) if "offset" in cable else 1))
+    numbers = value if isinstance(value, tuple) else (value,)
+    count = len(cable.offset) if "offset" in cable else 1
+    return float(sum(numbers)) * count / len(numbers)

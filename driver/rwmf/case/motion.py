@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -158,13 +158,15 @@ class Motion:
         found: dict[str, Any] = {"file": self._name, "unit": self._unit}
         return found if self._dt is None else found | {"dt": self._dt}
 
-    def write(self, path: str | os.PathLike[str]) -> None:
+    def write(self, path: str | os.PathLike[str], header: Sequence[str] = ()) -> None:
         """Write the samples as a record file: one column, or times and values.
 
         Parameters
         ----------
         path : str or path
             The file; the numbers round-trip to the same bits.
+        header : sequence of str, optional
+            Lines of comment above the numbers.
 
         Raises
         ------
@@ -174,7 +176,8 @@ class Motion:
         if not isinstance(path, str | os.PathLike):
             raise InputError(f"path = {show(path)}: must be the path of a file")
         columns = [self._values] if self._times is None else [self._times, self._values]
-        lines = [" ".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
+        lines = [f"# {line}" for line in header]
+        lines += [" ".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
         files.write_bytes(Path(path), ("\n".join(lines) + "\n").encode())
 
     def __setattr__(self, name: str, value: object) -> NoReturn:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rwmf.cli.words import (
+    band,
     bounds,
     number,
     numbers,
@@ -601,6 +602,34 @@ COMMANDS: dict[str, Command] = {
                 "N",
                 whole(1, 1000),
             ),
+            _UNIT,
+            _DT,
+        ],
+    ),
+    "records process": Command(
+        "risk",
+        "records_command.process",
+        "Correct a record by explicit steps, in the order of the options: resampling, baseline, "
+        "taper, filter; the file lists them.",
+        "raw.txt --baseline 1 --taper 2 --band 0.1:25 --out corrected.txt",
+        [
+            _word("record", "file in a known format", "RECORD"),
+            _out("FILE", "file to write", required=True),
+            _FORCE,
+            _word(
+                "--resample", "interval on straight lines between the samples, in s", "S", _ABOVE_0
+            ),
+            _word("--baseline", "order of a polynomial fitted to the velocity", "N", whole(0, 6)),
+            _word("--taper", "cosine at both ends, in s", "S", _ABOVE_0),
+            _word(
+                "--band",
+                "corners of a filter in both directions in Hz; LOW: and :HIGH have one",
+                "LOW:HIGH",
+                band,
+            ),
+            _word("--poles", "poles of the filter (4)", "N", whole(1, 10), default=4),
+            _word("--channel", "number of the channel", "N", whole(1, 1000)),
+            _plot("the record before and after"),
             _UNIT,
             _DT,
         ],

@@ -104,13 +104,13 @@ def _answer(
     if not sys.stdin.isatty():
         return default
     while True:
-        word = input(f"{question} [{default:g}] ").strip()
-        if not word:
-            return default
         try:
-            return read(word)
+            word = input(f"{question} [{default:g}] ").strip()
+            return read(word) if word else default
         except argparse.ArgumentTypeError as error:
             print(error)
+        except EOFError:
+            return default
 
 
 def _text(storeys: float, mass: float, period: float, width: float) -> str:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import zlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import rwmf
 from rwmf import records
 from rwmf._files import files
+from rwmf._intensity import waveform_of
 from rwmf._records.facts import Described, curves, describe
 from rwmf._sweep.intensity import G
 from rwmf.case import Motion
@@ -103,13 +107,50 @@ def join(options: argparse.Namespace) -> int:
     return 0
 
 
-def _write(motion: Motion, options: argparse.Namespace, inputs: list[str]) -> None:
+def process(options: argparse.Namespace) -> int:
+    """Correct a record by explicit steps (``rwmf records process``)."""
+    files.check_outputs([options.out, options.plot], [options.record])
+    figures.check_formats(options.plot)
+    raw = records.read(options.record, unit=options.unit, dt=options.dt, channel=options.channel)
+    found = records.process(
+        raw,
+        resample=options.resample,
+        baseline=options.baseline,
+        taper=options.taper,
+        band=options.band,
+        poles=options.poles,
+    )
+    crc = zlib.crc32(Path(options.record).read_bytes())
+    steps = [f"{i}. {step}" for i, step in enumerate(found.steps, 1)]
+    header = [f"{raw.name}, from {Path(options.record).name} (CRC-32 {crc:08x})", *steps]
+    header.append(f"by rwmf records process {rwmf.__version__}")
+    header.append(f"dt = {found.motion.dt!r} s, units: {found.motion.unit}")
+    waves = {"before": waveform_of(raw, G), "after": waveform_of(found.motion, G)}
+    for name, wave in waves.items():
+        print(
+            f"{name:7s} PGA {wave.peak_acceleration()[0] / G:.5g} g, PGV "
+            f"{wave.peak_velocity()[0]:.5g} m/s, PGD {wave.peak_displacement()[0]:.5g} m; at the "
+            f"end {wave.velocities()[0, -1]:.2g} m/s, {wave.displacements()[0, -1]:.2g} m"
+        )
+    print("\n".join(steps))
+    _write(found.motion, options, [options.record], header)
+    if options.plot:
+        with new_figure(4.6) as figure:
+            draw_records(figure, {name: curves(wave, G) for name, wave in waves.items()})
+            figures.save(figure, options.plot)
+    print_written([options.plot])
+    return 0
+
+
+def _write(
+    motion: Motion, options: argparse.Namespace, inputs: list[str], header: Sequence[str] = ()
+) -> None:
     """Write a motion, and print the keys that read it."""
     target = Path(options.out)
     files.check_outputs([target], inputs)
     if target.exists() and not options.force:
         raise OutputError(f"{target}: is there already; --force replaces it")
-    motion.write(target)
+    motion.write(target, header)
     step = "" if motion.dt is None else f", dt = {motion.dt!r}"
     print(f"{target}: {motion.values.size} samples to t = {motion.times[-1]:g} s; read them by")
     print(f"&motion kind = 'record', file = '{target}', unit = '{motion.unit}'{step} /")

@@ -47,12 +47,15 @@ def run(options: argparse.Namespace) -> int:
             f"{options.out}: a table of several cases must end with {', '.join(TABLES)}; "
             "rwmf-batch writes the files of each case"
         )
-    files.check_outputs([options.out], options.case)
+    found = {path: _read(path) for path in options.case}
+    records = [name for case in found.values() if isinstance(case, Case) for name in case.inputs]
+    files.check_outputs([options.out], [*options.case, *records])
     rows: list[Row] = []
     with progress("case") as report:
-        for path in options.case:
-            rows.append(_row(path))
-            report(len(rows), len(options.case))
+        for path, case in found.items():
+            row = _simulate(case) if isinstance(case, Case) else case
+            rows.append({"case": path, "status": ending_of(row), "message": ""} | row)
+            report(len(rows), len(found))
     for row in rows:
         failure = [f"failed: {row['message']}"] if row["status"] == "failed" else []
         print_warnings(row["case"], [*row.get("warnings", ()), *failure])
@@ -66,19 +69,23 @@ def run(options: argparse.Namespace) -> int:
     return _FAILED if failed else 0
 
 
-def _row(path: str) -> Row:
-    """Return the scalars of a case, or of the batch program's summary of one."""
+def _read(path: str) -> Case | Row:
+    """Read a case, or the scalars in the batch program's summary of one."""
     try:
-        if path.endswith(_SUMMARY):
-            found = _read_summary(path)
-        else:
-            with simulation.start(Case.from_namelist(path)) as result:
-                found = result.summary()
+        return _read_summary(path) if path.endswith(_SUMMARY) else Case.from_namelist(path)
+    except RwmfError as error:
+        return {"status": "failed", "message": str(error)}
+
+
+def _simulate(case: Case) -> Row:
+    """Return the scalars of a run."""
+    try:
+        with simulation.start(case) as result:
+            return result.summary()
     except Interrupted:
         raise
     except RwmfError as error:
-        return {"case": path, "status": "failed", "message": str(error)}
-    return {"case": path, "status": ending_of(found), "message": ""} | found
+        return {"status": "failed", "message": str(error)}
 
 
 def _read_summary(path: str) -> Row:

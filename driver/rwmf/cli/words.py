@@ -98,6 +98,18 @@ def bounds(word: str) -> tuple[str, tuple[float, float]]:
         raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=LOW:HIGH") from None
 
 
+def band(word: str) -> tuple[float, float]:
+    """Read ``LOW:HIGH``, ``LOW:`` or ``:HIGH`` in Hz."""
+    low, colon, high = word.partition(":")
+    read = number(above=0)
+    try:
+        if not colon or not (low or high):
+            raise argparse.ArgumentTypeError
+        return (read(low) if low else 0.0, read(high) if high else math.inf)
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be LOW:HIGH in Hz") from None
+
+
 def weight(word: str) -> tuple[str, float]:
     """Read ``KEY=NUMBER``."""
     key, sign, value = word.partition("=")

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from rwmf.case import Case
-from rwmf.export.si_building import Base, BentWall, Building, Frame, Law, read_building
+from rwmf.export.si_building import Base, BentWall, Building, Device, Frame, Law, read_building
 
 # angular frequency of the wall on both its corners [rad/s], and the step that resolves it [s]
 _CORNER_RATE = 8000.0
@@ -64,7 +64,9 @@ class _Script:
         self.notes: list[str] = []
         self.k = building.m_w * _CORNER_RATE**2 / 2  # of the pad below a corner
         self.materials = self.elements = 0
-        self.tendon: tuple[int, str, int] | None = None
+        self.tendons: list[tuple[int, str, int]] = []
+        # points off the axis and the corners, each with its number
+        self.spare: dict[tuple[float, float], int] = {}
         self.floors: list[tuple[int, float, float]] = []
         self.linked = 0
         # of the first pair of walls: elements of the coupling, nodes of its ends
@@ -90,7 +92,7 @@ class _Script:
             self._wall()
             self._corners()
             self._devices()
-            self._tendon()
+            self._tendons()
             self._couplings()
         if given.frame is not None:
             self._frame(given.frame)
@@ -125,8 +127,8 @@ class _Script:
         }
         lines = [f"{name} = {value!r}" for name, value in values.items()]
         lines += [
-            f"TENDON = {list(self.tendon[:2]) if self.tendon else []!r}",
-            f"TENDON_ENTRY = {self.tendon[2] if self.tendon else 0}",
+            "# of the first wall: element, its response, and the place of the force in it",
+            f"TENDONS = {self.tendons!r}",
             f"COUPLING, COUPLED = {self.coupled!r}",
             f"LINKED = {self.linked}  # node of u_s when the links are springs",
             "# node, displacement over that of the node, height of the storey below",
@@ -176,7 +178,8 @@ class _Script:
 
     # wall: nodes 1 base, 2 and 3 corners, 4 middle, 5 top, 6 corner of the link; 11 to 13 ground.
     # A wall that bends has also 7, top of the straight axis, and from 301 on those of the axis.
-    # Nodes of further walls are higher by 1000 each; their couplings are between 8 and 9.
+    # Nodes of further walls are higher by 1000 each; their couplings are between 8 and 9. From 501
+    # on there are two for each further point, of the ground and of the wall.
 
     def _walls(self) -> list[tuple[int, float]]:
         """Return of each wall what its nodes are higher by, and the place of its axis [m]."""
@@ -199,7 +202,7 @@ class _Script:
             beams = [(1, 2), (1, 3), (5, 6), (1, 7)]
             inertia = {1: m * b * b / 3}
         if given.coupling is not None:
-            middle = b + given.coupling.span / 2
+            middle = given.spacing / 2
             self.places |= {8: (middle, h), 9: (-middle, h)}
             beams += [(4, 8), (4, 9)]
         self._do("geomTransf", "Corotational", 1)
@@ -309,22 +312,44 @@ class _Script:
             )  # fmt: skip
         self._do("region", 1, "-ele", *tags, "-rayleigh", 0.0, base.delay, 0.0, 0.0)
 
+    def _point(self, wall: tuple[int, float], d: float, z: float) -> tuple[int, int]:
+        """Return the nodes of the ground and of a wall at a distance from its axis, at a height."""
+        (first, axis_x), given = wall, self.building
+        bases = {(0.0, 0.0): 1, (-given.b, 0.0): 2, (given.b, 0.0): 3}
+        if (d, z) in bases:
+            return first + 10 + bases[d, z], first + bases[d, z]
+        node = first + 501 + 2 * self.spare.setdefault((d, z), len(self.spare))
+        if node + 1 not in self.places:
+            self._node(node, axis_x + d, z, 1, 1, 1)
+            self._node(node + 1, axis_x + d, z)
+            self.places[node + 1] = (axis_x + d, z)
+            area = 1e4 * self.k * given.b
+            ends = (first + (4 if given.bent is None else 1), node + 1)
+            self._element("elasticBeamColumn", *ends, area, 1.0, area * given.b**2, 1)
+        return node, node + 1
+
     def _devices(self) -> None:
-        """Put fuses and dampers between the corners and the ground."""
+        """Put fuses, dampers and restraints between points of the walls and the ground."""
         given = self.building
-        constant, exponent = given.damper
-        if given.fuse is None and not constant:
-            return
-        self._title("devices under the corners, on their vertical displacement")
-        self._note("devices under the corners follow the vertical displacement of the corner")
-        materials = [self._law(given.fuse)] if given.fuse is not None else []
-        if constant and exponent == 1:
-            materials.append(self._material("Elastic", 0.0, constant))
-        elif constant:
-            materials.append(self._material("Viscous", constant, exponent))
-        for first, _ in self._walls():
-            for side in (first, first + 1):
-                self._link_vertically(12 + side, 2 + side, materials)
+        if given.devices:
+            self._title("devices, on the vertical displacement of their points")
+            self._note("devices under the base follow the vertical displacement of their point")
+        for device in given.devices:
+            materials = self._materials_of(device)
+            walls = self._walls()
+            if device.is_restraint:
+                walls = walls[:1] if device.offset < 0 else walls[-1:]
+            for wall in walls:
+                self._link_vertically(*self._point(wall, device.offset, device.height), materials)
+
+    def _materials_of(self, device: Device) -> list[int]:
+        """Write the materials of a spring and a dashpot."""
+        found = [self._law(device.law)] if device.law is not None else []
+        if device.c and device.exponent == 1:
+            found.append(self._material("Elastic", 0.0, device.c))
+        elif device.c:
+            found.append(self._material("Viscous", device.c, device.exponent))
+        return found
 
     def _couplings(self) -> None:
         """Put springs and dashpots between the edges of the walls."""
@@ -333,9 +358,7 @@ class _Script:
             return
         self._title("couplings between the walls, on stiff arms to the middle of the gap")
         self._note("couplings follow the vertical displacement of the edges; walls do not touch")
-        materials = [self._law(coupling.law)] if coupling.law is not None else []
-        if coupling.c:
-            materials.append(self._material("Elastic", 0.0, coupling.c))
+        materials = self._materials_of(coupling)
         for first, _ in self._walls()[:-1]:
             ends = (first + 8, first + 1009)
             elements = self._link_vertically(*ends, materials)
@@ -349,37 +372,42 @@ class _Script:
             for material in materials
         ]
 
-    def _tendon(self) -> None:
-        given, tendon, length = self.building, self.building.tendon, 2 * self.building.h
-        if tendon is None:
-            return
-        self._title("tendon")
-        # strain of the truss, displacement of the vertical spring
-        unit = length if tendon.is_straight else 1.0
-        k = max(tendon.k, 1e-9 * self.k) * unit
-        if math.isinf(tendon.force_y):
-            material = self._material("Elastic", k)
-        else:
-            material = self._material("Steel01", tendon.force_y, k, tendon.hardening)
-            self._note("a tendon that has gone slack pushes")
-        force = tendon.force
-        if given.base is not None:
-            # stressed on the settled wall
-            force += tendon.k * (given.m_w * given.g + force) / (2 * given.b * given.base.k)
-        material = self._material("InitStressMaterial", material, force)
-        if not math.isinf(tendon.elongation_at_rupture):
-            strain = tendon.elongation_at_rupture / unit
-            material = self._material("MinMax", material, "-max", strain)
-        if tendon.is_straight:
-            top = 5 if self.building.bent is None else 7
-            for first, _ in self._walls():
-                tag = self._element("corotTruss", first + 11, first + top, 1.0, material)
-                self.tendon = self.tendon or (tag, "axialForce", 0)
-            return
-        self._note("the cable of Eq. (1) follows the uplift b sin(theta) of the middle of the base")
-        for first, _ in self._walls():
-            (tag,) = self._link_vertically(first + 11, first + 1, [material])
-            self.tendon = self.tendon or (tag, "force", 4)
+    def _tendons(self) -> None:
+        given = self.building
+        for tendon in given.tendons:
+            self._title("tendon")
+            # strain of the truss, displacement of the vertical spring
+            unit = tendon.height if tendon.is_straight else 1.0
+            k = max(tendon.k, 1e-9 * self.k) * unit
+            if math.isinf(tendon.force_y):
+                material = self._material("Elastic", k)
+            else:
+                material = self._material("Steel01", tendon.force_y, k, tendon.hardening)
+                self._note("a tendon that has gone slack pushes")
+            force = tendon.force
+            if given.base is not None:
+                # stressed on the settled wall
+                force += tendon.k * (given.m_w * given.g + force) / (2 * given.b * given.base.k)
+            material = self._material("InitStressMaterial", material, force)
+            if not math.isinf(tendon.elongation_at_rupture):
+                strain = tendon.elongation_at_rupture / unit
+                material = self._material("MinMax", material, "-max", strain)
+            if not tendon.is_straight:
+                self._note("the cable of Eq. (1) follows the uplift a sin(theta) of its foot")
+            for wall in self._walls():
+                low, high = self._point(wall, tendon.offset, 0.0)
+                if tendon.is_straight:
+                    if (tendon.offset, tendon.height) == (0.0, 2 * self.building.h):
+                        high = wall[0] + (5 if self.building.bent is None else 7)
+                    else:
+                        high = self._point(wall, tendon.offset, tendon.height)[1]
+                    tag = self._element("corotTruss", low, high, 1.0, material)
+                    response = (tag, "axialForce", 0)
+                else:
+                    (tag,) = self._link_vertically(low, high, [material])
+                    response = (tag, "force", 4)
+                if not wall[0]:
+                    self.tendons.append(response)
 
     def _law(self, law: Law) -> int:
         """Write the material of a spring."""

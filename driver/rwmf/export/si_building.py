@@ -11,9 +11,7 @@ import numpy.typing as npt
 
 from rwmf._simulation import simulate
 from rwmf.case import Case
-from rwmf.case.elements import single
-from rwmf.case.groups import Coupling as CouplingGroup
-from rwmf.case.groups import Fuse
+from rwmf.case.elements import elements_of
 from rwmf.errors import InputError
 
 Array = npt.NDArray[np.float64]
@@ -89,10 +87,12 @@ class Frame:
 
 @dataclass(frozen=True)
 class Tendon:
-    """The tendon.
+    """A tendon.
 
     Attributes
     ----------
+    offset, height : float
+        Distance from the axis, and height of the upper anchor [m].
     is_straight : bool
         True for the length of a straight cable, False for Eq. (1).
     k : float
@@ -105,6 +105,8 @@ class Tendon:
         Elongation beyond that at rest at which it breaks [m].
     """
 
+    offset: float
+    height: float
     is_straight: bool
     k: float
     force: float
@@ -133,22 +135,27 @@ class BentWall:
 
 
 @dataclass(frozen=True)
-class Coupling:
-    """Spring and dashpot between the edges of two walls.
+class Device:
+    """Spring and dashpot on the rise of a point of a wall, or between the edges of two walls.
 
     Attributes
     ----------
     law : Law or None
         The spring.
-    c : float
-        Constant of the dashpot [N s/m].
-    span : float
-        Clear distance of the edges [m].
+    c, exponent : float
+        Constant [N s/m] or [N (s/m)^a], and the exponent a of the dashpot.
+    offset, height : float
+        Place of the point [m].
+    is_restraint : bool
+        Whether it stands beside one of the walls, not at each.
     """
 
     law: Law | None
-    c: float
-    span: float
+    c: float = 0.0
+    exponent: float = 1.0
+    offset: float = 0.0
+    height: float = 0.0
+    is_restraint: bool = False
 
 
 @dataclass(frozen=True)
@@ -177,8 +184,10 @@ class Building:
         Half height [m], half width [m], mass of the wall [kg]; zero without wall.
     walls : int
         Number of equal walls side by side.
-    coupling : Coupling or None
+    coupling : Device or None
         Their couplings.
+    spacing : float
+        Distance of the axes of two walls [m].
     g : float
         Gravity [m/s2].
     is_pinned : bool
@@ -191,12 +200,10 @@ class Building:
         Length of the link [m]; infinite when absent.
     frame : Frame or None
         The frame.
-    tendon : Tendon or None
-        The tendon.
-    fuse : Law or None
-        Spring under each corner.
-    damper : tuple
-        Constant [N s/m] or [N (s/m)^a], and the exponent a of the damper under each corner.
+    tendons : list of Tendon
+        The tendons of each wall.
+    devices : list of Device
+        Fuses, dampers and restraints.
     theta, theta_dot : float
         Rotation [rad] and angular velocity [rad/s] at the start.
     dt : float
@@ -211,16 +218,16 @@ class Building:
     b: float
     m_w: float
     walls: int
-    coupling: Coupling | None
+    coupling: Device | None
+    spacing: float
     g: float
     is_pinned: bool
     base: Base | None
     bent: BentWall | None
     link: float
     frame: Frame | None
-    tendon: Tendon | None
-    fuse: Law | None
-    damper: tuple[float, float]
+    tendons: list[Tendon]
+    devices: list[Device]
     theta: float
     theta_dot: float
     dt: float
@@ -233,11 +240,6 @@ class Building:
         """Slenderness of the wall [rad]."""
         return math.atan2(self.b, self.h)
 
-    @property
-    def spacing(self) -> float:
-        """Distance of the axes of two walls [m]."""
-        return 2 * self.b + (self.coupling.span if self.coupling is not None else 0.0)
-
 
 def read_building(case: Case) -> Building:
     """Read a case."""
@@ -245,34 +247,23 @@ def read_building(case: Case) -> Building:
     wall, g = case.wall, case.model.g
     m_w = 0.0 if wall is None else _number(wall.get("m_w")) or 1.0
     h, b = (0.0, 0.0) if wall is None else (wall.h, wall.b)
-    weight = m_w * g
-    damper = (
-        (single("&damper: c_over_m_w", case.damper.c_over_m_w) * m_w, 1.0)
-        if case.damper is not None
-        else (0.0, 1.0)
-    )
-    if case.nl_damper is not None:
-        damper = (
-            single("&nl_damper: eta_1", case.nl_damper.eta_1) * weight,
-            case.nl_damper.exponent,
-        )
-    initial = case.initial
+    initial, coupling = case.initial, case.coupling
     dt, a, a_v, t_end = _motions(case)
     return Building(
         h=h,
         b=b,
         m_w=m_w,
         walls=1 if wall is None else wall.walls,
-        coupling=None if case.coupling is None else _coupling(case, m_w),
+        coupling=None if coupling is None else _device(elements_of(coupling, 0.0)[0], m_w, g),
+        spacing=2 * b + (0.0 if coupling is None else coupling.span),
         g=g,
         is_pinned=wall is not None and wall.base == "pinned",
         base=None if case.base is None else _base(case, m_w),
         bent=None if case.bending is None else _bent_wall(case, m_w),
         link=math.inf if case.link is None else case.link.L,
         frame=None if case.frame is None else _frame(case, m_w),
-        tendon=None if case.cable is None else _tendon(case, weight),
-        fuse=None if case.fuse is None else _spring("fuse", case.fuse, weight),
-        damper=damper,
+        tendons=[] if case.cable is None else _tendons(case, m_w * g),
+        devices=_devices(case, m_w),
         theta=0.0 if initial is None else initial.theta_over_alpha * math.atan2(b, h),
         theta_dot=0.0 if initial is None else initial.theta_dot,
         dt=dt,
@@ -286,7 +277,7 @@ _LAWS = ("elastic_plastic", "flag", "peak_oriented", "pinched")
 _EXPORTED = {
     "wall", "frame", "storeys", "yielding", "fuse", "damper", "nl_damper", "cable", "p_delta",
     "link", "vertical", "initial", "impact", "motion", "model", "solver", "output", "bending",
-    "coupling", "base",
+    "coupling", "restraint", "base",
 }  # fmt: skip
 
 
@@ -296,17 +287,12 @@ def _refuse(case: Case) -> None:
     def stop(group: str, why: str) -> None:
         raise InputError(f"{case.label}: &{group}: OpenSees lacks {why}")
 
-    for name in ("cable", "fuse", "damper", "nl_damper"):
-        group = getattr(case, name)
-        for key in ("offset", "height"):
-            if group is not None and key in group:
-                stop(name, f"{key} in this export: elements at the axis and the corners only")
     for key in ("mu", "d_y"):
         if case.base is not None and key in case.base:
             stop("base", f"{key} in this export: an elastic base that does not slide only")
     if case.inerter is not None:
         stop("inerter", "an inerter; leave the group out")
-    for name in ("yielding", "fuse", "coupling"):
+    for name in ("yielding", "fuse", "coupling", "restraint"):
         group = getattr(case, name)
         if group is not None and group.law not in _LAWS:
             stop(name, f"law = '{group.law}'; it has {', '.join(_LAWS)}")
@@ -327,24 +313,34 @@ def _refuse(case: Case) -> None:
         stop(name, "a counterpart in this export; leave the group out")
 
 
-def _spring(name: str, group: Fuse | CouplingGroup, weight: float) -> Law:
-    """Return a spring that yields, of a group for all elements."""
-    force = single(f"&{name}: eta_y", group.eta_y) * weight
-    return Law(force / single(f"&{name}: stroke_y", group.stroke_y), force, dict(group))
+def _devices(case: Case, m_w: float) -> list[Device]:
+    """Return fuses, dampers and restraints; `m_w` scales the ratios."""
+    b = 0.0 if case.wall is None else case.wall.b
+    groups = (case.fuse, case.damper, case.nl_damper, case.restraint)
+    return [
+        _device(item, m_w, case.model.g, is_restraint=group is case.restraint)
+        for group in groups
+        if group is not None
+        for item in elements_of(group, -b, b)
+    ]
 
 
-def _coupling(case: Case, m_w: float) -> Coupling:
-    """Return the coupling of two walls; `m_w` scales the ratios."""
-    group = case.coupling
+def _device(item: dict[str, Any], m_w: float, g: float, *, is_restraint: bool = False) -> Device:
+    """Return a device from the values of an element."""
     law = None
-    if "eta_y" in group:
-        law = _spring("coupling", group, m_w * case.model.g)
-    elif "k_over_m_w" in group:
-        law = Law(single("&coupling: k_over_m_w", group.k_over_m_w) * m_w)
-    c = 0.0
-    if "c_over_m_w" in group:
-        c = single("&coupling: c_over_m_w", group.c_over_m_w) * m_w
-    return Coupling(law, c, group.span)
+    if "eta_y" in item:
+        force = item["eta_y"] * m_w * g
+        law = Law(force / item["stroke_y"], force, item)
+    elif "k_over_m_w" in item:
+        law = Law(item["k_over_m_w"] * m_w)
+    return Device(
+        law=law,
+        c=item["eta_1"] * m_w * g if "eta_1" in item else item.get("c_over_m_w", 0.0) * m_w,
+        exponent=item.get("exponent", 1.0),
+        offset=item["offset"],
+        height=item.get("height", 0.0),
+        is_restraint=is_restraint,
+    )
 
 
 def _base(case: Case, m_w: float) -> Base:
@@ -469,36 +465,37 @@ def _law(case: Case, k: float, u_y: float | None) -> Law:
     return Law(k, k * u_y, dict(case.yielding))
 
 
-def _tendon(case: Case, weight: float) -> Tendon:
-    """Return the tendon; `weight` is that of the wall."""
-    h, b, cable = case.wall.h, case.wall.b, case.cable
-    eta_0 = single("&cable: eta_0", cable.eta_0)
-    alpha, first = math.atan2(b, h), eta_0 * weight
-    is_straight = cable.law == "truss"
-    end = b * alpha
-    if is_straight:
-        # about a corner, the middle of the top rises and moves sideways
-        rise = 2 * h * math.cos(alpha) + b * math.sin(alpha)
-        aside = b * (1 - math.cos(alpha)) + 2 * h * math.sin(alpha)
-        end = math.hypot(aside, rise) - 2 * h
-    last = _number(cable.get("eta_alpha", eta_0))
-    k = (last - eta_0) * weight / end
-    rupture = math.inf
-    if cable.get("rupture_strain") is not None:
-        length = _number(cable.get("length")) or 2 * h
-        rupture = single("&cable: rupture_strain", cable.rupture_strain) * length - (
-            first / k if k > 0 else 0.0
+def _tendons(case: Case, weight: float) -> list[Tendon]:
+    """Return the tendons; `weight` is that of the wall."""
+    h, b = case.wall.h, case.wall.b
+    alpha, found = math.atan2(b, h), []
+    for item in elements_of(case.cable, 0.0):
+        height, first = item.get("height", 2 * h), item["eta_0"] * weight
+        is_straight = item["law"] == "truss"
+        end = b * alpha
+        if is_straight:
+            # on the axis, about a corner, the anchor rises and moves sideways
+            rise = height * math.cos(alpha) + b * math.sin(alpha)
+            aside = b * (1 - math.cos(alpha)) + height * math.sin(alpha)
+            end = math.hypot(aside, rise) - height
+        k = (item.get("eta_alpha", item["eta_0"]) - item["eta_0"]) * weight / end
+        rupture = math.inf
+        if "rupture_strain" in item:
+            length = item.get("length") or height
+            rupture = item["rupture_strain"] * length - (first / k if k > 0 else 0.0)
+        found.append(
+            Tendon(
+                offset=item["offset"],
+                height=height,
+                is_straight=is_straight,
+                k=k,
+                force=first,
+                force_y=item["eta_y"] * weight if "eta_y" in item else math.inf,
+                hardening=item["hardening"],
+                elongation_at_rupture=rupture,
+            )
         )
-    return Tendon(
-        is_straight=is_straight,
-        k=k,
-        force=first,
-        force_y=math.inf
-        if cable.get("eta_y") is None
-        else single("&cable: eta_y", cable.eta_y) * weight,
-        hardening=single("&cable: hardening", cable.hardening),
-        elongation_at_rupture=rupture,
-    )
+    return found
 
 
 def _motions(case: Case) -> tuple[float, Array, Array, float]:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.case import Case
-from rwmf.case.elements import each
+from rwmf.case.elements import elements_of
 
 # drawn gap between walls, and distance of a column beside a held point, over half the width
 _GAP = 0.6
@@ -64,8 +64,8 @@ def lines_of(case: Case) -> list[Line]:
             for z in levels
         ]
     if case.restraint is not None:
-        heights = each(case.restraint.height, len(case.restraint.offset))
-        for d, z in zip(case.restraint.offset, heights, strict=True):
+        for item in elements_of(case.restraint):
+            d, z = item["offset"], item["height"]
             side = math.copysign(1.0, d)
             i = len(axes) - 1 if d > 0 else 0
             column = axes[i] + d + side * _GAP * b
@@ -89,13 +89,11 @@ def _standing(case: Case) -> list[tuple[str, float, float]]:
     """Return kind, offset and upper height of the elements that stand on the ground."""
     b, found = case.wall.b, []
     if case.cable is not None:
-        offsets = case.cable.offset if "offset" in case.cable else (0.0,)
-        height = case.cable.height if "height" in case.cable else 2 * case.wall.h
-        heights = each(height, len(offsets))
-        found += [("cable", d, z) for d, z in zip(offsets, heights, strict=True)]
+        for item in elements_of(case.cable, 0.0):
+            found.append(("cable", item["offset"], item.get("height", 2 * case.wall.h)))
     for name in ("fuse", "damper", "nl_damper", "inerter"):
         group = getattr(case, name)
         if group is not None:
-            offsets = group.get("offset") or (-b, b)
-            found += [(name.removeprefix("nl_"), d, 0.0) for d in offsets]
+            kind = name.removeprefix("nl_")
+            found += [(kind, item["offset"], 0.0) for item in elements_of(group, -b, b)]
     return found

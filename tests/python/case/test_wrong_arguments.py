@@ -72,6 +72,7 @@ WRONG: dict[str, Any] = {
 _CLASSES = ("Case", "Cost", "Design", "Motion", "RecordFile", "Response")
 # results of other functions, and functions without arguments
 _NOT_CALLED = {"loops.Loop", "records.Record", "records.RecordPair", "records.Selection",
+               "records.Processed",
                "plot.style", "records.list_records", "Checks", "LimitCheck",
                "hosts.ElementEvent", "hosts.ElementResponse", "hosts.ElementSnapshot",
                "hosts.WallEvent", "hosts.WallEvents", "hosts.WallForces", "hosts.WallMaxima",
@@ -215,6 +216,9 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "records.find": {"name": "none"},
         "records.info": {"path": str(samples), "unit": "m/s2", "dt": 0.1, "g": 9.81},
         "records.pairs": {"words": [*records, _motion()], "folder": "", "unit": None, "dt": None},
+        "records.process": {"motion": _motion(), "resample": 0.05, "baseline": 1, "taper": 0.1,
+                            "band": [0.5, 5.0], "poles": 2, "unit": None, "dt": None,
+                            "channel": None},
         "records.read": {"path": str(samples), "unit": "g", "dt": 0.1, "channel": 1},
         "records.select": {"words": records, "target_spectrum": [[0.1, 1.0], [1.0, 1.0]],
                            "band": (0.2, 0.5), "n": 1, "limits": (1e-6, 1e6), "damping": 0.05,

@@ -87,6 +87,19 @@ def test_words_that_no_table_has(command: Runner, words: list[str], said: str) -
     assert said in found.stderr
 
 
+def test_a_table_is_not_written_over_a_record(command: Runner, tmp_path: Path) -> None:
+    record = tmp_path / "quake.csv"
+    rwmf.Motion([0.0, 1.0, -1.0, 0.0], dt=0.1, unit="m/s2").write(record)
+    before = record.read_bytes()
+    (tmp_path / "a.nml").write_text(
+        "&frame T_s = 1.0, xi_s = 0.05 /\n"
+        "&motion kind = 'record', file = 'quake.csv', unit = 'm/s2', dt = 0.1 /\n"
+    )
+    found = command("run", "a.nml", "--out", "quake.csv")
+    assert (found.returncode, record.read_bytes()) == (2, before)
+    assert "is read by this run" in found.stderr
+
+
 def test_every_input_fits_the_schema() -> None:
     validator = pytest.importorskip("jsonschema").Draft202012Validator
     schema = make_schema()

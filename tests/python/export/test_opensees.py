@@ -69,8 +69,6 @@ def test_script_has_the_masses_and_the_motion(name: str) -> None:
         ("yielding", WALL + FRAME + "&yielding u_y = 0.03, law = 'friction' /"),
         ("yielding", "&frame T_s = 1.0, xi_s = 0.05 / &yielding u_y = 0.03, law = 'bouc_wen' /"),
         ("fuse", WALL + FRAME + "&fuse F_y = 4e4, k = 2e7, law = 'friction' /"),
-        ("fuse", WALL + FRAME + "&fuse offset = 0.4, F_y = 4e4, k = 2e7 /"),
-        ("restraint", WALL + FRAME + "&restraint offset = 1.2, height = 0.0, k = 1e6 /"),
         ("impact", "&wall h = 5.0, b = 1.2 / &impact e = 0.9 /"),
         ("bending", WALL + FRAME + "&bending EI = 4e9 /"),
         ("initial", WALL + FRAME + "&initial theta_over_alpha = 0.2 /"),
@@ -93,6 +91,23 @@ def test_walls_side_by_side() -> None:
     # a spring and a dashpot in each gap
     assert arms == [["8", "1009"]] * 2 + [["1008", "2009"]] * 2
     assert nodes[8] == pytest.approx(nodes[1009]) and nodes[8] == pytest.approx((1.95, 5.0))
+
+
+def test_elements_off_the_axis() -> None:
+    """Each element between a fixed node and a node of the wall at its place."""
+    script = opensees_script(case_of(CASES["elements off the axis"]))
+    nodes = {int(x[0]): (float(x[1]), float(x[2])) for x in calls(script, "node")}
+    fixed = {int(x[0]) for x in calls(script, "fix") if x[1:] == ["1", "1", "1"]}
+    elements = calls(script, "element")
+    tendons = [x for x in elements if x[0] == '"corotTruss"' and int(x[2]) in fixed]
+    ends = [(nodes[int(x[2])], nodes[int(x[3])]) for x in tendons]
+    assert ends == [((-0.7, 0.0), (-0.7, 10.0)), ((0.4, 0.0), (0.4, 8.0))]
+    springs = [x for x in elements if x[0] == '"zeroLength"' and x[-2:] == ['"-dir"', "2"]]
+    places = [nodes[int(x[3])] for x in springs if int(x[2]) in fixed]
+    # a spring, and a dashpot beside the last restraint
+    expected = [(-1.6, 0.0), (0.5, 0.0), (0.3, 0.0), (-1.2, 5.0), (3.0, 10.0), (3.0, 10.0)]
+    assert places == expected
+    assert all(nodes[int(x[2])] == nodes[int(x[3])] for x in springs if int(x[2]) in fixed)
 
 
 @pytest.mark.parametrize(("name", "floors"), BENT_WALLS.items())

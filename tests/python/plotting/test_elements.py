@@ -41,7 +41,7 @@ def _parts(ax: Axes, colour: str, width: float = 2.0) -> list[np.ndarray]:
 def test_lines_of_a_film_have_the_strokes_of_the_history(side: int) -> None:
     case = rwmf.Case.from_text(TEXT)
     run = rwmf.simulate(case, dt=0.01)
-    i = int((side * run["theta"]).argmax())
+    i = int((side * run["theta"]).values.argmax())
     theta = float(run["theta"][i])
     with new_figure(6.0) as figure:
         _stage(figure, case, run, find_building(case, run), Scale(1.0, 1.0))(i)
