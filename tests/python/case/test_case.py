@@ -156,7 +156,7 @@ def test_a_record_ends_the_simulation(tmp_path: Path) -> None:
     case = coupled(motion=record(path, unit="g", dt=0.5), solver={"t_end": None})
     assert case.solver.t_end == 1.0
     assert "t_end" not in case.solver.given
-    with pytest.raises(rwmf.InputError, match="rec.txt: the record has one column: it needs the k"):
+    with pytest.raises(rwmf.InputError, match="the record has one column: it needs the key dt"):
         case.replace(motion={"dt": None})
 
 
