@@ -9,53 +9,10 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass
 
-SEEDS = (
-    """&wall h = 2.0, b = 0.5, m_w = 1920.0 /
-&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /
-&cable eta_0 = 1.0, eta_alpha = 5.0, law = 'linear' /
-&impact rule = 'constant', e = 0.9 /
-&motion kind = 'one_cosine', a_max_g = 0.4, omega_p = 6.28, t_0 = 0.1 /
-&model formulation = 'exact', g = 9.81, overturning_angle = 1.5 /
-&solver method = 'dop853', rtol = 1e-6, t_end = 0.5, max_steps = 20000 /
-&output dt = 0.1, energy = .true. /
-""",
-    """! a record
-&wall
-   h = 2.0
-   b = 0.5
-/
-&impact
-   r = 0.81
-/
-&motion
-   kind = 'record'
-   file = 'record.txt'
-   unit = 'g'
-   scale = 0.5
-/
-&initial theta_over_alpha = 0.1, theta_dot = 0.0 /
-&solver
-   method = 'adams'
-   rtol = 1e-5, t_end = 0.5
-   max_steps = 20000
-/
-""",
-    """&frame xi_s = 0.05 T_s = 0.5 /
-&motion kind='sine' v_p=0.1 T_p=0.3 cycles=2.5 /
-&solver t_end=0.5 method='taylor' max_steps=20000 /
-&spectrum T_s_min = 0.5, T_s_max = 1.0, n = 3, spacing = 'log' /
-""",
-    """&wall h = 2.0, b = 0.5 /
-&frame T_s = 0.3, gamma = 5.0, xi_s = 0.05 /
-&cable eta_0 = 1.0, eta_alpha = 5.0, eta_y = 1.1, hardening = 0.02, rupture_strain = 0.012 /
-&fuse eta_y = 0.2, stroke_y = 0.001, hardening = 0.05 /
-&yielding f_y_over_m_s_g = 0.1, hardening = 0.05 /
-&impact e = 0.9 /
-&motion kind = 'one_sine', a_max_g = 0.8, omega_p = 12.0 /
-&model formulation = 'symmetric' /
-&initial theta_over_alpha = 0.1 /
-&solver rtol = 1e-6, t_end = 0.8, max_steps = 20000 /
-""",
+from checkout import ROOT
+
+SEEDS = tuple(
+    (ROOT / "tests" / "reference" / "fuzzed.nml").read_text(encoding="utf-8").split("! ---\n")
 )
 RECORDS = (
     b"# time a\n0.0 0.0\n0.1 0.2\n0.2 -0.3\n0.3 0.1\n0.4 0.0\n",

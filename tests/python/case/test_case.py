@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from pathlib import Path
 
@@ -48,6 +49,47 @@ def test_defaults_come_from_the_kernel() -> None:
     assert case.solver.rtol == 1e-9
     assert "rtol" not in case.solver.given
     assert "t_end" in case.solver.given
+
+
+SCENE = (
+    "&wall h = 2.0, b = 0.5 / &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 / &solver t_end = 10.0 / "
+)
+# groups besides those of the scene, values, and keys that do not apply
+_TEXTS: tuple[tuple[str, dict[str, object], str], ...] = (
+    ("&cable eta_0 = 2 / &motion kind = 'one_sine', a_max_g = 4d-1, T_p = 1 /",
+     {"cable.eta_alpha": 2.0, "cable.law": "linear", "model.formulation": "exact",
+      "model.g": 9.81, "model.overturning_angle": math.pi / 2, "motion.t_0": 0.0,
+      "solver.max_steps": 50_000_000, "solver.verify": False, "impact.rule": "coupled"},
+     "solver.atol solver.accuracy impact.e motion.cycles wall.m_w"),
+    ("&Impact R = 0.81 / &MOTION Kind = \"Sine\", v_p = -1, t_p = 2, cycles = 4, t_0 = -1d0 / "
+     "&cable eta_0 = 0, law = 'truss' / &output dt = 0.1, energy = T / &initial theta_dot = 1 /",
+     {"impact.r": 0.81, "impact.rule": "constant", "motion.kind": "sine", "motion.v_p": -1.0,
+      "motion.T_p": 2.0, "motion.cycles": 4.0, "motion.t_0": -1.0, "cable.law": "truss",
+      "output.energy": True, "initial.theta_over_alpha": 0.0},
+     "impact.e motion.a_max_g"),
+    ("&impact e = 0.9 / &motion kind = 'type_c', v_p = 1, T_p = 1 / &output /",
+     {"impact.rule": "constant", "motion.n_pulses": 1, "output.energy": False}, ""),
+    ("&impact table_e = 1, 0.9, table_theta_dot = 1, 2 / &motion kind = 'mavroeidis_papageorgiou', "
+     "v_p = 1, T_p = 1, gamma_p = 2.5 /",
+     {"impact.rule": "table", "motion.gamma_p": 2.5, "motion.nu": 0.0}, "impact.e"),
+    ("&spectrum T_s_min = 0.1, T_s_max = 3, n = 30, spacing = 'log', gamma = 5, 2*10 /",
+     {"spectrum.n": 30, "spectrum.spacing": "log", "spectrum.gamma": (5.0, 10.0, 10.0)},
+     "spectrum.b spectrum.T_s"),
+    ("&spectrum T_s = 0.1, 0.5 /", {"spectrum.T_s": (0.1, 0.5)}, "spectrum.n"),
+    ("&spectrum T_s_min = 1, T_s_max = 1, n = 1 /", {"spectrum.spacing": "linear"}, ""),
+    # just below the limit: a period of 1e-5 s
+    ("&fuse eta_y = 40, stroke_y = 1e-9 /", {"fuse.eta_y": 40.0}, ""),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "values", "absent"), _TEXTS)
+def test_values_and_defaults(text: str, values: dict[str, object], absent: str) -> None:
+    groups = rwmf.Case.from_text(SCENE + text).groups
+    found = {
+        f"{group}.{key}": value for group, keys in groups.items() for key, value in keys.items()
+    }
+    assert {key: found.get(key) for key in values} == values
+    assert not set(absent.split()) & set(found)
 
 
 def test_a_case_cannot_be_changed() -> None:
@@ -106,6 +148,16 @@ def test_namelist_text_is_stable() -> None:
     first = coupled(output={"dt": 0.01, "energy": True})
     assert rwmf.Case.from_text(first.to_namelist()).to_namelist() == first.to_namelist()
     assert rwmf.Case.from_text(TEXT).text == TEXT
+
+
+def test_a_record_ends_the_simulation(tmp_path: Path) -> None:
+    path = tmp_path / "rec.txt"
+    path.write_text("0\n0.1\n0\n", encoding="utf-8")
+    case = coupled(motion=record(path, unit="g", dt=0.5), solver={"t_end": None})
+    assert case.solver.t_end == 1.0
+    assert "t_end" not in case.solver.given
+    with pytest.raises(rwmf.InputError, match="the record has one column: it needs the key dt"):
+        case.replace(motion={"dt": None})
 
 
 def test_record_paths_stay_right(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,6 +23,7 @@ EFFECTS = {
     "fuses": "&fuse F_y = 4e4, k = 2e7, hardening = 0.02 /",
     "flag": "&fuse F_y = 4e4, k = 2e7, hardening = 0.02, law = 'flag' /",
     "damper": "&damper c = 4e4 /",
+    "inerters": "&damper c = 4e4 / &inerter inertance = 3e4 /",
     "vertical": "&vertical ratio = 0.5 / &motion kind = 'one_sine', a_max_g = 0.6, T_p = 1.0 /",
 }
 BENDING = "&bending EI = 3e9, xi = 0.02, modes = 2 /"

@@ -223,6 +223,16 @@ def test_a_smooth_frame_starts_from_rest() -> None:
     assert ends[1] == pytest.approx(ends[0], rel=1e-6)
 
 
+def test_a_frame_that_begins_later() -> None:
+    """Under a constant acceleration a: u = -a/omega**2 (1 - cos(omega t))."""
+    case = rwmf.Case.from_text("&frame T_s = 1.0, xi_s = 0.0 / &solver t_end = 4.0 /")
+    with rwmf.Wall(case, t_begin=2.0) as frame:
+        assert frame.t == 2.0
+        frame.advance_samples([2.0, 2.3], [1.0, 1.0])
+        expected = -(1 - math.cos(0.6 * math.pi)) / (2 * math.pi) ** 2
+        assert frame.state.u_s == pytest.approx(expected, rel=1e-7)
+
+
 def _fails(error: type[Exception], match: str, call: Callable[[], object]) -> None:
     with pytest.raises(error, match=match):
         call()

@@ -29,7 +29,7 @@ WEAR: Group = {"lambda": [100.0, 40.0, 70.0, 50.0], "lambda_exponent": [1.0, 1.5
 LOSES: Group = {"hardening": 0.05, "cap": 4.0, "post_cap": 20.0, "residual": 0.1}
 PINCH: Group = {"pinch_force": 0.4, "pinch_displacement": 0.3}
 LAWS: dict[str, Group] = {
-    "friction": {"law": "friction", "breakaway": 1.3},
+    "friction": {"law": "friction", "breakaway": 1.3, "hardening": 0.04},
     "softening": {"hardening": -0.02, "ultimate": 30.0},
     "flag": {"law": "flag", "hardening": 0.05, "flag_height": 0.8},
     "peak_oriented": {"law": "peak_oriented"} | LOSES | WEAR,
@@ -108,7 +108,7 @@ def by_friction(x: Array, u_y: float, hardening: float, breakaway: float) -> Arr
 
 FORCES: dict[str, Callable[[Array, float], Array]] = {
     "flag": lambda x, u_y: by_flag(x, u_y, 0.05, 0.8),
-    "friction": lambda x, u_y: by_friction(x, u_y, 0.0, 1.3),
+    "friction": lambda x, u_y: by_friction(x, u_y, 0.04, 1.3),
     "softening": lambda x, u_y: by_friction(x, u_y, -0.02, 1.0),
 }
 

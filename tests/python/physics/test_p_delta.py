@@ -3,12 +3,10 @@
 A massless leaning column carries the weight of m_g = m_g_over_m_s times the mass of each floor, and
 is held by the floors. Its part beside storey i carries W_i, the weight at floor i and above. Its
 ends are d_i = u_i - u_(i-1) apart over the height h_i. They push the floor above outwards and the
-floor below inwards with the force W_i d_i/h_i. Floor i therefore feels
-
-    f_i = (C u')_i + V_i - V_(i+1),    V_i = k_i d_i - W_i d_i/h_i
-
-The run collapses where an |d_i|/h_i passes the limit. `test_demands_of_walls.py` follows collapses
-of frames that yield, alone and beside walls, with another program.
+floor below inwards with the force W_i d_i/h_i. The shear of an undamped storey is therefore
+k_i d_i - W_i d_i/h_i. The run collapses where an |d_i|/h_i passes the limit.
+`test_demands_of_walls.py` follows collapses of frames that yield, alone and beside walls, with
+another program.
 """
 
 from __future__ import annotations
@@ -102,47 +100,14 @@ class Frame:
     wall: Wall | None = None
 
     def __post_init__(self) -> None:
-        """Derive masses, dampers and weights."""
+        """Derive masses and weights."""
         m, k = np.array(self.m), np.array(self.k)
         self.mass, self.stiffness, self.n = m, k, len(m)
         self.push = self.mu * G * np.cumsum(m[::-1])[::-1] / np.array(self.heights)
-        matrix = np.diag(k + np.append(k[1:], 0.0)) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
-        squares, modes = eigh(matrix, np.diag(m))
-        if self.shape is None:
-            momentum = m[:, None] * modes
-            self.c = momentum @ np.diag(2 * self.xi * np.sqrt(squares)) @ momentum.T
-            self.s = np.append(np.zeros(self.n - 1), 1.0)
-        else:
-            self.s = np.array(self.shape) / self.shape[-1]
-            own = self.s @ m * self.s
-            omega = math.sqrt(self.s @ matrix @ self.s / (self.s @ (m * self.s)))
-            # force on the roof alone, as a damper of the one coordinate
-            self.c = np.zeros((self.n, self.n))
-            self.c[-1, -1] = 2 * self.xi * omega * (self.s @ (m * self.s))
-            assert own.size == self.n
+        last = np.append(np.zeros(self.n - 1), 1.0)
+        self.s = last if self.shape is None else np.array(self.shape) / self.shape[-1]
         self.free = 0 if self.shape is not None else self.n - 1
-        self.M, self.N = self.s @ (m * self.s), self.s @ m
-
-    # motion of the floors from the state (x, x', u_1.., u_1'.., p_1..)
-
-    def floors(self, y: Array) -> tuple[Array, Array]:
-        """Displacements and velocities of all floors."""
-        u, v = y[0], y[1]
-        if self.shape is not None:
-            return self.s * u, self.s * v
-        below = y[2 : 2 + 2 * self.free].reshape(2, self.free)
-        return np.append(below[0], u), np.append(below[1], v)
-
-    def storeys(self, y: Array) -> tuple[Array, Array]:
-        """Displacements of the storeys and their rates."""
-        u, v = self.floors(y)
-        return np.diff(u, prepend=0.0), np.diff(v, prepend=0.0)
-
-    def forces(self, y: Array) -> Array:
-        """f_i of the docstring."""
-        d, _ = self.storeys(y)
-        shear = self.stiffness * (d - y[-self.n :]) - self.push * d
-        return self.c @ self.floors(y)[1] + shear - np.append(shear[1:], 0.0)
+        self.M = self.s @ (m * self.s)
 
 
 def single(T_s: float, height: float, mu: float, gamma: float = 1.0, **more: object) -> Frame:
@@ -433,26 +398,6 @@ def frame_of(
     """Storeys of equal heights that make up a wall of 2 H."""
     heights = [2 * H / len(m)] * len(m)
     return Frame(m, k, heights, mu, shape=shape_of(coupling, m, k), **more)
-
-
-def test_one_number_for_one_coordinate() -> None:
-    """Table of storeys.md: weights over heights times squared bends of the shape, over its mass.
-
-    On a straight line this is m_g_over_m_s g/2h times the roof factor.
-    """
-    mu, (m, k) = 3.0, STOREYS
-    for coupling in ("reduced", "every_floor"):
-        frame = frame_of(coupling, mu)
-        bend = np.diff(frame.s, prepend=0.0)
-        kappa = frame.push @ bend**2 / frame.M
-        rest = np.zeros(2 + frame.n)
-        rest[0] = 1.0
-        without = frame_of(coupling, 0.0)
-        force = frame.s @ (without.forces(rest) - frame.forces(rest)) / frame.M
-        assert force == pytest.approx(kappa, rel=1e-13)
-        if coupling == "every_floor":
-            assert kappa == pytest.approx(mu * G / (2 * H) * frame.N / frame.M, rel=1e-13)
-    assert len(m) == len(k)
 
 
 # drifts that pass their limit inside a step

@@ -1,13 +1,12 @@
 """Frames of several storeys and smooth hysteresis against independent programs in SciPy.
 
-They share nothing with the kernel. `scipy.linalg.eigh` gives the modes, the balance of moments and
-forces the equations of motion, and `solve_ivp` finds the events.
+They share nothing with the kernel. `scipy.linalg.eigh` gives the modes, and `solve_ivp` finds the
+events. `test_demands_of_walls.py` has storeys beside rocking walls.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -22,7 +21,6 @@ G = 9.81
 H, B = 6.0, 1.5
 PULSE = {"kind": "one_sine", "a_max_g": 0.35, "omega_p": 4.0}
 PULSE_END = 2 * math.pi / 4.0
-T_END = 3.3  # the program below follows every impact: it stops before any chatter
 TIGHT = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-13}
 
 
@@ -32,144 +30,23 @@ def ground(t: float) -> float:
 
 
 class Storeys:
-    """A rigid wall on its corners with a shear frame whose roof is linked to its left top corner.
+    """A shear frame.
 
     Parameters
     ----------
     m, k : list of float
-        Masses and stiffnesses over the mass of the wall, from the ground up [-], [1/s2].
+        Masses and stiffnesses over one mass, from the ground up [-], [1/s2].
     xi : float
-        Damping ratio of every mode of the frame [-].
-    e : float
-        Factor on the angular velocity at an impact [-].
+        Damping ratio of every mode [-].
     """
 
-    def __init__(self, m: list[float], k: list[float], xi: float, e: float) -> None:
-        self.n, self.e = len(m), e
+    def __init__(self, m: list[float], k: list[float], xi: float) -> None:
         self.m = np.array(m)
         self.k = np.diag(k) + np.diag([*k[1:], 0.0])
         self.k -= np.diag(k[1:], 1) + np.diag(k[1:], -1)
         squares, modes = eigh(self.k, np.diag(m))
         momentum = self.m[:, None] * modes
         self.c = momentum @ np.diag(2 * xi * np.sqrt(squares)) @ momentum.T
-        self.radius, self.alpha = math.hypot(H, B), math.atan2(B, H)
-
-    def roof(self, theta: float, side: int) -> tuple[float, float, float]:
-        """Return displacement of the roof and its first two derivatives by theta."""
-        if side > 0:
-            angle = self.alpha - theta
-            up = 2 * self.radius
-            return (
-                up * (math.sin(self.alpha) - math.sin(angle)),
-                up * math.cos(angle),
-                up * math.sin(angle),
-            )
-        return 2 * H * math.sin(theta), 2 * H * math.cos(theta), -2 * H * math.sin(theta)
-
-    def forces(self, state: np.ndarray, side: int) -> np.ndarray:
-        """Return the resistance of the storeys to the motion of the floors [m/s2]."""
-        u, v = np.empty(self.n), np.empty(self.n)
-        u[:-1], v[:-1] = state[2 : self.n + 1], state[self.n + 1 :]
-        u[-1], slope, _ = self.roof(state[0], side)
-        v[-1] = slope * state[1]
-        return self.k @ u + self.c @ v
-
-    def rates(self, t: float, state: np.ndarray, side: int, *, rests: bool) -> np.ndarray:
-        """Return the derivative of theta, theta', u_1.., v_1.. ."""
-        force = self.forces(state, side)
-        result = np.zeros_like(state)
-        result[2 : self.n + 1] = state[self.n + 1 :]
-        result[self.n + 1 :] = -force[:-1] / self.m[:-1] - ground(t)
-        if not rests:
-            result[0] = state[1]
-            _, slope, bend = self.roof(state[0], side)
-            inertia = 4 / 3 * self.radius**2 + self.m[-1] * slope**2
-            result[1] = self.moment(t, state, side) - self.m[-1] * slope * bend * state[1] ** 2
-            result[1] /= inertia
-        return result
-
-    def moment(self, t: float, state: np.ndarray, side: int) -> float:
-        """Return the moment about the corner without the inertia of the motion [m2/s2]."""
-        _, slope, _ = self.roof(state[0], side)
-        angle = self.alpha - side * state[0]
-        weight = side * G * self.radius * math.sin(angle)
-        push = self.radius * math.cos(angle) + self.m[-1] * slope
-        return -push * ground(t) - weight - slope * self.forces(state, side)[-1]
-
-    def run(self, t_end: float) -> tuple[list[float], list[float], float]:
-        """Return the times of lift-off and of impacts [s], and the largest |u_s| [m]."""
-        t, state, side, rests = 0.0, np.zeros(2 * self.n), 0, True
-        lifts: list[float] = []
-        impacts: list[float] = []
-        largest = 0.0
-        while t < t_end:
-            stop = PULSE_END if t < PULSE_END else t_end
-            events = self._lift_offs() if rests else self._flight(side)
-            turn = solve_ivp(
-                lambda t, y, s=side, r=rests: self.rates(t, y, s, rests=r),
-                (t, stop), state, events=events, **TIGHT,
-            )  # fmt: skip
-            t, state = float(turn.t[-1]), turn.y[:, -1]
-            if rests and turn.status == 1:
-                side = 1 if turn.t_events[0].size else -1
-                rests = False
-                lifts.append(t)
-            elif not rests:
-                peaks = [abs(self.roof(y[0], side)[0]) for y in turn.y_events[1]]
-                largest = max([largest, *peaks])
-                if turn.status == 1:
-                    impacts.append(t)
-                    state[0], state[1], side = 0.0, self.e * state[1], -side
-        return lifts, impacts, largest
-
-    def _lift_offs(self) -> list[Callable[[float, np.ndarray], float]]:
-        events = [
-            lambda t, y: self.moment(t, y, 1),
-            lambda t, y: -self.moment(t, y, -1),
-        ]
-        for event in events:
-            event.terminal, event.direction = True, 1.0
-        return events
-
-    def _flight(self, side: int) -> list[Callable[[float, np.ndarray], float]]:
-        events = [lambda _t, y: y[0], lambda _t, y: y[1]]
-        events[0].terminal, events[0].direction = True, -side
-        return events
-
-
-@pytest.mark.parametrize(
-    ("m", "k"),
-    [
-        ([2.0, 2.0, 2.0], [700.0, 600.0, 400.0]),
-        ([1.5, 1.5, 1.0, 0.5, 0.5], [900.0, 800.0, 700.0, 500.0, 300.0]),
-        ([4.0, 1.0], [500.0, 900.0]),
-    ],
-)
-def test_against_scipy(m: list[float], k: list[float]) -> None:
-    """The first seconds: the lift-off from a moving rest, every impact, and the peak."""
-    case = coupled(
-        wall={"h": H, "b": B},
-        frame={"T_s": None, "gamma": None, "xi_s": 0.04},
-        storeys={
-            "m_over_m_w": m,
-            "k_over_m_w": k,
-            "height": [2 * H / len(m)] * len(m),
-            "coupling": "full",
-        },
-        cable=None,
-        impact={"e": 0.9},
-        motion=PULSE,
-        model={"formulation": "exact"},
-        solver={"t_end": T_END, "rtol": 1e-11, "method": "dop853"},
-    )
-    run = rwmf.simulate(case, dt=0.1)
-    lifts, impacts, largest = Storeys(m, k, 0.04, 0.9).run(T_END)
-    kind = run["event"].to_numpy()
-    times = run["event_time"].to_numpy()
-    assert len(impacts) >= 4
-    assert times[kind == "lift_off"][0] == pytest.approx(lifts[0], rel=1e-8)
-    assert times[kind == "impact"] == pytest.approx(impacts, rel=1e-7)
-    assert float(run["u_s_max"]) == pytest.approx(largest, rel=1e-8)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 2.0, 5.0])
@@ -285,7 +162,7 @@ def test_keys_of_the_reduction() -> None:
         "T_s": "s",
         "modal_height": "m",
     }
-    model = Storeys(m, k, 0.0, 1.0)
+    model = Storeys(m, k, 0.0)
     squares, modes = eigh(model.k, np.diag(m))
     share = model.m @ modes[:, 0]
     assert found["T_s"] == pytest.approx(2 * math.pi / math.sqrt(squares[0]), rel=1e-12)
@@ -299,7 +176,7 @@ def test_keys_of_the_reduction() -> None:
 def test_history_of_the_floors() -> None:
     """Floors, roof and the drifts between them; states as the kernel has them."""
     m, k, height = [3.0, 2.0, 1.5], [600.0, 500.0, 300.0], [5.0, 4.0, 3.0]
-    frame = Storeys(m, k, 0.05, 1.0)
+    frame = Storeys(m, k, 0.05)
     case = bare_frame(
         frame={"T_s": None, "xi_s": 0.05},
         motion=PULSE,

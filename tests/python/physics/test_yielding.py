@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import rwmf
 from oscillator import exact_peak
-from scenes import bare_frame, record
+from scenes import bare_frame, coupled, record
 from yielding import exact_yielding
 
 G = 9.81
@@ -197,3 +197,39 @@ def test_high_powers_of_the_smooth_law_limit_the_step() -> None:
     trusted = case.replace(solver={"method": "dop853", "rtol": 1e-12})
     expected = float(rwmf.simulate(trusted).u_s_max)
     assert float(rwmf.simulate(case).u_s_max) == pytest.approx(expected, rel=1e-7)
+
+
+def _smooth(exponent: float = 2.0, beta: float = 0.6, **changes: dict[str, object]) -> rwmf.Case:
+    law = {"u_y": 0.02, "hardening": 0.1, "law": "bouc_wen", "exponent": exponent, "beta": beta}
+    return bare_frame(frame={"T_s": 0.7}, yielding=law, **changes)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 3.0, 4.0, 8.0])
+def test_whole_exponents_are_products(exponent: float) -> None:
+    """Those beside them are powers."""
+    runs = [
+        rwmf.simulate(_smooth(exponent + more, 0.75, solver={"method": "dop853", "rtol": 1e-10}))
+        for more in (0.0, 1e-8)
+    ]
+    left, near = (float(run["residual_displacement"]) for run in runs)
+    assert near == pytest.approx(left, abs=1e-8 * float(runs[0]["u_s_max"]))
+
+
+@pytest.mark.parametrize("method", ["adams", "taylor", "dop853"])
+def test_a_passage_of_zero_at_an_impact(method: str) -> None:
+    """The force of an elastic frame and the rotation pass zero at one instant: one event."""
+    elastic = coupled(frame={"T_s": 0.6}, motion={"kind": "one_sine"}, model=None)
+    law = {"u_y": 1e9, "hardening": 0.1, "law": "bouc_wen", "exponent": 2.0, "beta": 0.5}
+    for k in range(15, 27):
+        solver = {"method": method, "rtol": 10 ** (-0.5 * k)}
+        peaks = [
+            float(rwmf.simulate(case.replace(solver=solver))["u_s_max"])
+            for case in (elastic, elastic.replace(yielding=law))
+        ]
+        assert peaks[1] == pytest.approx(peaks[0], rel=300 * solver["rtol"])
+
+
+def test_a_smooth_frame_that_stands_still_takes_few_steps() -> None:
+    still = {"kind": "none", "a_max_g": None, "omega_p": None}
+    run = rwmf.simulate(_smooth(motion=still, solver={"method": "adams"}))
+    assert run.attrs["steps"] < 1000

@@ -41,7 +41,7 @@ def test_smooth_storeys_against_scipy() -> None:
     """Bouc and Wen's law in each storey, with the present signs of its rate."""
     m, k, u_y = np.array([3.0, 2.0, 1.5]), np.array([600.0, 500.0, 300.0]), 0.015
     hardening, beta = 0.1, 0.7
-    model = Storeys(list(m), list(k), XI, 1.0)
+    model = Storeys(list(m), list(k), XI)
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         u, v, z = y.reshape(3, 3)

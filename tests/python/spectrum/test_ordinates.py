@@ -23,7 +23,9 @@ import pairs
 _RTOL = 1e-9
 _PERIODS = (0.3, 0.9)
 # of the first of these scenes; the counts of a chatter depend on the tolerance
-_EFFECTS = ("`exact`", "cable breaks", "`&yielding`", "`&p_delta`", "vertical, record", "`&fuse`")
+_EFFECTS = ("`exact`", "cable breaks", "`&yielding`", "`&p_delta`", "vertical, record", "`&fuse`",
+            "cable, truss", "`&initial`", "e = 0")  # fmt: skip
+_SCENES = pairs.EFFECTS | {"e = 0": {"impact": {"rule": "constant", "e": 0.0}}}
 _LOOSE = {"energy_balance_relative": 1e-3, "t_friction_demand_max_s": 1e-4, "impacts": 1.0}
 
 
@@ -36,7 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _case(name: str, folder: Path) -> rwmf.Case:
-    case = rwmf.Case.from_text(compose(pairs.joined(pairs.EFFECTS[name])), folder / "pair.nml")
+    case = rwmf.Case.from_text(compose(pairs.joined(_SCENES[name])), folder / "pair.nml")
     return case.replace(solver={"rtol": _RTOL}, output=None, spectrum={"T_s": list(_PERIODS)})
 
 

@@ -1,44 +1,17 @@
-!> Frames with the smooth hysteresis of Bouc and Wen: closed forms, limits, energy.
+!> Closed forms of the smooth hysteresis of Bouc and Wen.
 program test_bouc_wen
    use check, only: checks_t
-   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, virgin_displacement
-   use rwmf_problem_case, only: case_t
-   use rwmf_simulation_simulate, only: simulate
-   use rwmf_simulation_state_result, only: result_t
-   use scenes, only: frame_scene, rwmf_scene
    implicit none
 
    type(checks_t) :: checks
 
    if (checks%wants('closed_forms')) call check_closed_forms()
    if (checks%wants('loading_on')) call check_loading_on()
-   if (checks%wants('natural_exponents')) call check_natural_exponents()
-   if (checks%wants('passage_at_impact')) call check_passage_at_impact()
-   if (checks%wants('standstill')) call check_standstill()
    call checks%finish()
 
 contains
-
-   !> Scene with a frame that yields smoothly.
-   function hysteretic(scene, u_y, hardening, exponent, beta) result(case)
-      type(case_t), intent(in) :: scene
-      real(wp), intent(in) :: u_y
-      !! [m]
-      real(wp), intent(in) :: hardening
-      real(wp), intent(in) :: exponent
-      real(wp), intent(in) :: beta
-      type(case_t) :: case
-
-      case = scene
-      allocate (case%yielding)
-      case%yielding%u_y = u_y
-      case%yielding%hardening = hardening
-      case%yielding%law%exponent = exponent
-      case%yielding%law%beta = beta
-      case%yielding%law%name = 'bouc_wen'
-   end function hysteretic
 
    !> Check the closed forms of the first loading, from far below yielding to far beyond, and their
    !> symmetry.
@@ -83,68 +56,5 @@ contains
          end do
       end do
    end subroutine check_loading_on
-
-   !> Compare small integer exponents, computed by products, with neighbouring exponents, computed
-   !> by powers.
-   subroutine check_natural_exponents()
-      real(wp), parameter :: exponents(5) = [1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, 8.0_wp]
-      type(case_t) :: case
-      type(result_t) :: result
-      type(result_t) :: neighbour
-      type(error_t), allocatable :: error
-      integer :: i
-
-      do i = 1, size(exponents)
-         case = hysteretic(frame_scene(0.7_wp, 'dop853'), 0.02_wp, 0.1_wp, exponents(i), 0.75_wp)
-         case%solver%rtol = 1.0e-10_wp
-         call simulate(case, result, error)
-         call checks%no_error(error, 'natural exponent')
-         case%yielding%law%exponent = exponents(i) + 1.0e-8_wp
-         call simulate(case, neighbour, error)
-         call checks%close_to(neighbour%residual_displacement, result%residual_displacement, &
-            'a natural exponent and its neighbour', atol=1.0e-8_wp*result%u_s_max)
-      end do
-   end subroutine check_natural_exponents
-
-   !> Check an elastic frame, for which z passes zero at the instant of the impact: both are one
-   !> event, at every tolerance.
-   subroutine check_passage_at_impact()
-      character(6), parameter :: methods(3) = [character(6) :: 'adams', 'taylor', 'dop853']
-      type(case_t) :: case
-      type(case_t) :: elastic_case
-      type(result_t) :: result
-      type(result_t) :: elastic
-      type(error_t), allocatable :: error
-      integer :: i, k
-
-      elastic_case = rwmf_scene('exact', 5.0_wp, 0.6_wp, 'dop853')
-      case = hysteretic(elastic_case, 1.0e9_wp, 0.1_wp, 2.0_wp, 0.5_wp)
-      do i = 1, size(methods)
-         do k = 15, 26
-            elastic_case%solver%method = trim(methods(i))
-            elastic_case%solver%rtol = 10**(-0.5_wp*k)
-            case%solver = elastic_case%solver
-            call simulate(elastic_case, elastic, error)
-            call simulate(case, result, error)
-            call checks%no_error(error, 'passage at an impact')
-            call checks%close_to(result%u_s_max, elastic%u_s_max, 'passage at an impact, ' &
-               //trim(methods(i)), rtol=300*case%solver%rtol)
-         end do
-      end do
-   end subroutine check_passage_at_impact
-
-   !> Check that a frame at rest takes few steps before the ground moves; it has no peaks.
-   subroutine check_standstill()
-      type(case_t) :: case
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-
-      case = hysteretic(frame_scene(0.7_wp, 'adams'), 0.02_wp, 0.1_wp, 2.0_wp, 0.6_wp)
-      deallocate (case%motion)
-      case%solver%t_end = 10
-      call simulate(case, result, error)
-      call checks%no_error(error, 'standstill')
-      call checks%that(result%steps < 1000, 'a frame that stands still takes few steps')
-   end subroutine check_standstill
 
 end program test_bouc_wen
