@@ -347,9 +347,9 @@ def _base(case: Case, m_w: float) -> Base:
     """Return the strip under the wall; `m_w` scales the ratios."""
     base = case.base
     stiffness = base.k_t_over_m_w
-    delay = base.get("delay")
-    if delay is None:
-        delay = 2 * base.xi / math.sqrt(2 * case.wall.b * stiffness)
+    delay = 2 * base.xi / math.sqrt(2 * case.wall.b * stiffness)
+    if "delay" in base:
+        delay = base.delay
     return Base(stiffness * m_w, delay)
 
 
