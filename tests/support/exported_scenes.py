@@ -75,6 +75,10 @@ ALONE = {
     + "hardening = 0.02 / "
     + "&damper offset = 0.3, c = 3e4 / "
     + "&restraint offset = -1.2, 3.0, height = 5.0, 10.0, k = 4e5, 2e5, c = 0.0, 5e3 /",
+    "a base that gives": "&wall h = 5.0, b = 1.2, m_w = 40e3 /"
+    + FRAME
+    + CABLE
+    + "&base k_t_over_m_w = 2e4, xi = 0.2 /",
     "hinge": "&wall h = 5.0, b = 1.2, m_w = 40e3, base = 'pinned' /" + FRAME,
 }
 BUILDINGS = {
