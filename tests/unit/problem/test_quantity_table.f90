@@ -35,6 +35,9 @@ contains
 
       do i = 1, size(all_quantities)
          key = all_quantities(i)%key
+         ! the name in N is that of wall and frame together
+         if (any(all_quantities(i)%id == [id%base_shear_over_m_w_g, &
+            id%base_shear_max_over_m_w_g])) cycle
          do j = 1, size(weights)
             first = index(key, trim(weights(j)))
             if (first == 0) cycle

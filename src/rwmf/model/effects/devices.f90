@@ -201,6 +201,7 @@ contains
       call check_lists(values, group, [character(3) :: 'F_y', 'k'], n, error)
       if (allocated(error)) return
       if (size(strength) == 1) strength = spread(strength(1), 1, n)
+      if (size(stiffness) == 1) stiffness = spread(stiffness(1), 1, n)
       call derive(values, group, 'stroke_y', 'k', strength/stiffness)
    end subroutine derive_stroke
 

@@ -175,10 +175,13 @@ contains
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: theta
       !! [rad] or [m]
+      real(wp) :: window(2)
+      !! [rad] or [m]
 
       if (.not. model%has_bilinear_springs) return
       do
          call renew_window(model, state)
+         window = [state%low, state%high]
          if (theta > state%high) then
             call pass_window(model, state, is_rising=.true.)
          else if (theta < state%low) then
@@ -186,6 +189,8 @@ contains
          else
             exit
          end if
+         ! a limit beyond the numbers is not passed; the run then ends with a state that is not finite
+         if (.not. any(abs([state%low, state%high] - window) > 0)) exit
       end do
       ! springs that have yielded during this loading may unload from here on
       call turn_back(model, state, theta)
