@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rwmf._arguments import case_of, checked
+from rwmf._numbers import to_number
 from rwmf._simulation import simulate
+from rwmf.case import CaseLike
 from rwmf.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rwmf.case.case import Case
 
-
-def restitution(case: Case, *, start: float = 0.5) -> xr.Dataset:
+@checked
+def restitution(case: CaseLike, *, start: float = 0.5) -> xr.Dataset:
     """Compute the equivalent velocity factor of a wall on `&base` that is let go.
 
     The factor is that of impacts on rigid corners with the same ratio of two successive rotations
@@ -24,7 +26,7 @@ def restitution(case: Case, *, start: float = 0.5) -> xr.Dataset:
 
     Parameters
     ----------
-    case : Case
+    case : Case or path
         Case with ``&wall`` and ``&base``. Its motion is not used.
     start : float, default 0.5
         First rotation over the slenderness, between 0 and 1 [-].
@@ -51,13 +53,13 @@ def restitution(case: Case, *, start: float = 0.5) -> xr.Dataset:
     """
     import xarray as xr
 
-    if case.base is None:
+    known = case_of(case)
+    if known.base is None:
         raise InputError("restitution: the case must have the group &base")
-    if not 0 < start < 1:
-        raise InputError(f"restitution: start = {start} must be between 0 and 1 (theta/alpha)")
-    h, b, g = case.wall.h, case.wall.b, case.model.g
+    start = to_number("start", start, above=0.0, below=1.0)
+    h, b, g = known.wall.h, known.wall.b, known.model.g
     pace = math.sqrt(3 * g / (4 * math.hypot(h, b)))
-    free: Any = case.replace(
+    free: Any = known.replace(
         motion={"kind": "none"},
         initial={"theta_over_alpha": start},
         solver={"t_end": 20 / pace, "rtol": 1e-9},

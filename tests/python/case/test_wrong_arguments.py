@@ -102,6 +102,13 @@ def _case() -> rwmf.Case:
     return case.replace(output={"dt": 0.02})
 
 
+def _soft() -> rwmf.Case:
+    return rwmf.Case.from_text(
+        "&wall h=2.0, b=0.5 / &base k_t_over_m_w=2.0e4, xi=0.2 / &motion kind='none' / "
+        "&solver t_end=0.4 /"
+    )
+
+
 @functools.cache
 def _found() -> dict[str, Any]:
     """Datasets for the functions that draw them."""
@@ -230,6 +237,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
                                    "threads": 1, "progress": None, "quantities": None},
         "studies.overturning_map": {"case": case, "omega_over_p": [5.0], "amplitude": [1.0],
                                     "tolerance": 1.0, "threads": 1, "progress": None},
+        "studies.restitution": {"case": _soft(), "start": 0.5},
         "studies.wall_effect": suite | {"quantities": None},
     }  # fmt: skip
 
