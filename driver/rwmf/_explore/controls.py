@@ -412,8 +412,8 @@ _TITLES = {
     "output": "Output of runs",
     "spectrum": "Spectrum of runs",
 }
-# requests with numbers that only the user knows: shown where the case has them, never added
-_OF_THE_USER = ("base_section", "limits", "sensitivity", "design")
+# groups with numbers that only the user knows: shown where the case has them, never added
+_OF_THE_USER = ("base", "base_section", "limits", "sensitivity", "design")
 # the page must not set file names: an uploaded record has a number
 _NOT_EDITABLE = {("motion", "file"), ("vertical", "file")}
 

@@ -60,7 +60,7 @@ class Base(Group):
     length : float
         Height of the strip; beside E [m].
     xi : float
-        Damping ratio of the vertical motion in full contact.
+        Damping ratio of the bounce in full contact.
     delay : float
         Or the damping over the stiffness, c/k [s].
     c : float
@@ -820,7 +820,7 @@ class Limits(Group):
     residual_displacement_m : float
         Displacement at which the frame alone would be without force at the end [m].
     theta_end_over_alpha : float
-        Rotation at the end over alpha, at which fuses may hold the wall up.
+        Rotation at the end over slenderness.
     storeys_ductility : tuple[float, ...]
         Largest displacement of storey over that at first yield: one for all, or one each.
     storeys_residual_drift : tuple[float, ...]

@@ -5,11 +5,11 @@ module rwmf_embedding_outputs
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: require, stepping_t
-   use rwmf_embedding_wall_instance, only: wall_instance_t
+   use rwmf_embedding_wall_instance, only: copy_base, wall_instance_t
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_quantity_table, only: all_quantities, look_up
    use rwmf_simulation_base_base_record, only: base_columns => find_columns
-   use rwmf_simulation_base_base_run, only: base_motion_t, expand_present, result_on_base
+   use rwmf_simulation_base_base_run, only: base_motion_t, result_on_base
    use rwmf_simulation_recorder_recorder, only: create_columns, find_columns, find_rates, &
       observe_present, recorder_t
    use rwmf_simulation_run, only: fill_result
@@ -113,8 +113,7 @@ contains
       real(wp), allocatable :: columns(:)
       integer :: i, column
 
-      base = instance%base
-      call expand_present(instance%equation%motion, base, base%record)
+      call copy_base(instance, base)
       call base_columns(instance%case, base%scene, base%regime, base%series, base%t, names, columns)
       call result_on_base(instance%case, base, result)
       call scalars_of(instance%case, result, scalars)

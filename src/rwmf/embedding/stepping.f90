@@ -14,11 +14,11 @@ module rwmf_embedding_stepping
    use rwmf_core_kinds, only: i8, wp
    use rwmf_embedding_ranges, only: a_time, any_number, is_number, is_time, positive, &
       require_number
-   use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
+   use rwmf_embedding_wall_instance, only: advance_instance, copy_base, hold_ground_acceleration, &
       restore_state, save_state, snapshot_t, start_instance, start_on_base, use_host_motion, &
       wall_instance_t
    use rwmf_simulation_base_base_record, only: of_theta, of_u
-   use rwmf_simulation_base_base_run, only: base_motion_t, expand_present
+   use rwmf_simulation_base_base_run, only: base_motion_t
    use rwmf_simulation_factory, only: new_integrator
    use rwmf_model_equation, only: cable_force_at, frame_acceleration, frame_motion
    use rwmf_model_floor_motion, only: storey_motion
@@ -204,13 +204,13 @@ contains
       call check_target(stepping, t, error)
       if (allocated(error)) return
       associate (instance => stepping%instance)
-         if (instance%follows_host) then
+         if (instance%follows_host .and. .not. allocated(instance%base)) then
             instance%equation%motion => instance%own_motion
             call enter_interval(instance%equation%model_t, instance%equation%state, &
                interval_at(instance%own_motion, instance%t))
             instance%hybrid%must_restart = .true.
-            instance%follows_host = .false.
          end if
+         instance%follows_host = .false.
          call advance_instance(instance, near_knot(instance%own_motion, t), error)
          ! the host counts on by its own time
          if (.not. (allocated(error) .or. instance%hybrid%is_stopped)) instance%t = t
@@ -401,8 +401,7 @@ contains
       type(wall_state_t), intent(inout) :: state
       type(base_motion_t) :: base
 
-      base = instance%base
-      call expand_present(instance%equation%motion, base, base%record)
+      call copy_base(instance, base)
       associate (of => base%series, extremes => base%record%extremes)
          state%t = base%t
          state%at_rest = .false.
@@ -429,8 +428,7 @@ contains
       type(wall_forces_t), intent(inout) :: forces
       type(base_motion_t) :: base
 
-      base = instance%base
-      call expand_present(instance%equation%motion, base, base%record)
+      call copy_base(instance, base)
       associate (of => base%series, frame => base%scene%frame)
          forces%link = instance%mass*(frame%mass(1, 1)*of%x_ddot(0) + frame%mass(1, 2) &
             *of%u_ddot(0) + frame%excited(1)*of%ground(0) + of%force(0, 1))

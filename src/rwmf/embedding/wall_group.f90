@@ -207,7 +207,7 @@ contains
             reals(i, :) = [instance%t, state%t, state%theta, state%theta_dot, state%theta_ddot, &
                state%u_s, state%u_s_dot, state%u_s_ddot, state%u_s_max, state%theta_max, &
                max(instance%recorder%theta_dot_max, instance%recorder%theta_dot_ends)]
-            if (.not. instance%equation%has_wall) reals(i, 11) = 0
+            if (.not. allocated(instance%case%wall)) reals(i, 11) = 0
          end associate
          counts(i, :3) = [state%impacts, state%lift_offs, state%steps]
          counts(i, 4:) = merge(1_i8, 0_i8, [state%at_rest, state%overturned, state%collapsed])

@@ -17,7 +17,8 @@ module rwmf_embedding_wall_instance
    use rwmf_problem_case, only: case_t, has_floors
    use rwmf_simulation_advance, only: advance
    use rwmf_simulation_base_base_record, only: of_rate
-   use rwmf_simulation_base_base_run, only: advance_on_base, base_motion_t, begin_on_base
+   use rwmf_simulation_base_base_run, only: advance_on_base, base_motion_t, begin_on_base, &
+      expand_present
    use rwmf_simulation_finite_check, only: check_numbers
    use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
    use rwmf_simulation_lanes_batch, only: batch_t
@@ -30,7 +31,7 @@ module rwmf_embedding_wall_instance
 
    public :: wall_instance_t, snapshot_t
    public :: start_instance, start_on_base, use_host_motion, hold_ground_acceleration
-   public :: advance_instance, save_state, restore_state
+   public :: advance_instance, copy_base, save_state, restore_state
 
    !> Data of one wall. It is on the heap, because the integrators point into it.
    type :: wall_instance_t
@@ -140,8 +141,6 @@ contains
       if (present(t_begin)) instance%t = t_begin
       instance%mass = 1
       if (allocated(instance%case%wall%m_w)) instance%mass = instance%case%wall%m_w
-      instance%equation%has_wall = .true.
-      instance%equation%motion => instance%own_motion
       instance%ground = acceleration(instance%own_motion, interval_at(instance%own_motion, &
          instance%t), instance%t)
       allocate (instance%base, instance%recorder%events(0))
@@ -212,20 +211,14 @@ contains
 
       call save_state(instance, before, goes_on=.false.)
       if (allocated(instance%base)) then
-         call advance_on_base(instance%case, instance%equation%motion, t, instance%control, &
-            instance%base, error)
-         if (allocated(error)) then
-            call restore_state(instance, before)
-            if (instance%follows_host) call hold_ground_acceleration(instance)
-            return
+         if (instance%follows_host) then
+            call advance_base(instance, instance%given_motion, t, error)
+         else
+            call advance_base(instance, instance%own_motion, t, error)
          end if
-         instance%steps = instance%base%steps
-         associate (rates => instance%base%record%extremes(:, of_rate))
-            instance%recorder%theta_dot_max = max(rates(2), -rates(1))
-         end associate
-         instance%t = t
-         instance%ground = acceleration(instance%equation%motion, &
-            interval_at(instance%equation%motion, t), t)
+         if (.not. allocated(error)) return
+         call restore_state(instance, before)
+         if (instance%follows_host) call hold_ground_acceleration(instance)
          return
       end if
       instance%integrator%steps = 0_i8
@@ -249,6 +242,37 @@ contains
             instance%t)
       end if
    end subroutine advance_instance
+
+   !> Advance a wall on a base that gives.
+   subroutine advance_base(instance, motion, t, error)
+      type(wall_instance_t), pointer, intent(in) :: instance
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
+
+      call advance_on_base(instance%case, motion, t, instance%control, instance%base, error)
+      if (allocated(error)) return
+      instance%steps = instance%base%steps
+      associate (rates => instance%base%record%extremes(:, of_rate))
+         instance%recorder%theta_dot_max = max(rates(2), -rates(1))
+      end associate
+      instance%t = t
+      instance%ground = acceleration(motion, interval_at(motion, t), t)
+   end subroutine advance_base
+
+   !> Copy a wall on a base that gives, with the series of its present state.
+   subroutine copy_base(instance, base)
+      type(wall_instance_t), intent(in) :: instance
+      type(base_motion_t), intent(out) :: base
+
+      base = instance%base
+      if (instance%follows_host) then
+         call expand_present(instance%given_motion, base, base%record)
+      else
+         call expand_present(instance%own_motion, base, base%record)
+      end if
+   end subroutine copy_base
 
    !> Save the current state.
    subroutine save_state(instance, snapshot, goes_on)
@@ -292,7 +316,6 @@ contains
       if (allocated(snapshot%base)) then
          instance%base = snapshot%base
          instance%steps = snapshot%base%steps
-         if (.not. snapshot%follows_host) instance%equation%motion => instance%own_motion
          return
       end if
       instance%equation%state = snapshot%state

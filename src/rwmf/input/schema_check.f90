@@ -10,7 +10,8 @@ module rwmf_input_schema_check
    use rwmf_problem_group_values, only: group_place_t, group_values_t, has_group, has_key, &
       key_code, key_place, key_values_t, text_of
    use rwmf_problem_key, only: belongs_to, key_t, takes_list
-   use rwmf_problem_rules, only: append_value, check_needs, fail_at_group, fail_at_key, fail_key
+   use rwmf_problem_rules, only: append_value, check_needs, fail_at_group, fail_at_key, &
+      fail_group, fail_key
    use rwmf_text_strings, only: integer_to_text, nearest_name, shown, to_lower
    implicit none
    private
@@ -69,6 +70,11 @@ contains
                trim(groups(i)%reasons(j)), error)
             if (allocated(error)) return
          end do
+         if (groups(i)%not_on_base == '' .or. .not. (has_group(values, 'base') &
+             .and. has_group(values, trim(groups(i)%name)))) cycle
+         call fail_group(values, trim(groups(i)%name), 'must not be given with &base (' &
+            //trim(groups(i)%not_on_base)//')', error)
+         return
       end do
       do i = 1, size(groups)
          if (.not. must_be_checked(values, groups(i))) cycle

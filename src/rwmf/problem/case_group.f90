@@ -10,10 +10,13 @@ module rwmf_problem_case_group
    implicit none
    private
 
-   public :: case_group_t, name_length
+   public :: case_group_t, name_length, two_corners
 
    integer, parameter :: name_length = 24
    !! length of names of states and events
+
+   character(*), parameter :: two_corners = 'its equations are those of two corners'
+   !! reason for `not_on_base`
 
    !> One group. Null pointers mean that the hook is not used.
    type :: case_group_t
@@ -27,6 +30,8 @@ module rwmf_problem_case_group
       !! groups without which this one must not be given
       character(40) :: reasons(2) = ''
       !! reasons for `needs`, for messages
+      character(40) :: not_on_base = ''
+      !! reason why `&base` excludes the group; '' if it does not
       type(key_t), allocatable :: keys(:)
       !! in the order of the documentation
       procedure(check_i), pointer, nopass :: check => null()

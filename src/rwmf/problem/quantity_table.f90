@@ -9,7 +9,7 @@ module rwmf_problem_quantity_table
 
    public :: quantity_t, id, key_of, all_quantities, look_up, canonical_key, is_of_ordinate, is_peak
    public :: key_length, own_key, sensitivity_id, sensitivity_row
-   public :: requested_by, quantities_text, is_limited, limit_key
+   public :: requested_by, name_of
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
    public :: of_envelopes, of_verification
 
@@ -847,30 +847,6 @@ contains
          .and. index(quantity%key, '_height_m') == 0
    end function is_peak
 
-   !> True if `&limits` can have a limit of the quantity: peaks and final values.
-   elemental logical function is_limited(quantity)
-      type(quantity_t), intent(in) :: quantity
-
-      is_limited = .false.
-      if (.not. is_of_ordinate(quantity) .or. quantity%kind /= 'real') return
-      if (quantity%found == 'end') then
-         is_limited = index(quantity%outputs, 'run') > 0 .and. quantity%observed /= of_energy
-      else if (is_peak(quantity)) then
-         is_limited = index(quantity%key, '_normal_min') + index(quantity%key, &
-            '_stroke_min') + index(quantity%key, '_force_min') == 0
-      end if
-   end function is_limited
-
-   !> Key of `&limits` for a quantity; a list over floors or storeys is a plural.
-   elemental character(key_length) function limit_key(quantity) result(key)
-      type(quantity_t), intent(in) :: quantity
-      integer :: braces
-
-      key = quantity%key
-      braces = index(key, '_{i}')
-      if (braces > 0) key = key(:braces - 1)//'s'//key(braces + 4:)
-   end function limit_key
-
    !> Number of the sensitivity of a quantity.
    elemental integer function sensitivity_id(number)
       integer, intent(in) :: number
@@ -910,31 +886,5 @@ contains
          requested_by = 'energy'
       end if
    end function requested_by
-
-   !> Write the table as text: tab-separated components in their order, one quantity per line.
-   pure subroutine quantities_text(text)
-      character(:), allocatable, intent(out) :: text
-      !! the lines, each with its line feed
-      integer :: i
-
-      text = ''
-      do i = 1, size(all_quantities)
-         call append_line(all_quantities(i), text)
-      end do
-      do i = 1, size(all_quantities)
-         if (is_peak(all_quantities(i))) call append_line(sensitivity_row(all_quantities(i)), text)
-      end do
-   end subroutine quantities_text
-
-   !> Append the components of a row, separated by tabs, and a line feed.
-   pure subroutine append_line(row, text)
-      type(quantity_t), intent(in) :: row
-      character(:), allocatable, intent(inout) :: text
-      character(*), parameter :: tab = achar(9)
-
-      text = text//trim(row%key)//tab//trim(name_of(row))//tab//trim(row%unit)//tab &
-         //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group)//tab &
-         //trim(requested_by(row))//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
-   end subroutine append_line
 
 end module rwmf_problem_quantity_table

@@ -23,6 +23,7 @@ contains
       group%name = name
       group%is_of_scene = .false.
       group%needs(1) = 'wall'
+      group%not_on_base = 'its numbers are outputs of &base'
       group%reasons(1) = 'the strip lies under its base'
       group%keys = [ &
          usually('[1e7, 1e13]', optional_key(name, 'k', 'real', 'N/m3', '', positive, &

@@ -12,8 +12,8 @@ module rwmf_input_groups_limits
    use rwmf_problem_group_values, only: applies, get_list, group_values_t, has_group, has_key, &
       logical_of
    use rwmf_problem_key, only: optional_key, positive
-   use rwmf_problem_quantity_table, only: all_quantities, is_limited, key_length, limit_key, &
-      of_demands, of_envelopes, of_reactions, quantity_t
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, is_peak, key_length, &
+      of_energy, of_demands, of_envelopes, of_reactions, quantity_t
    use rwmf_problem_rules, only: fail_key
    use rwmf_problem_units, only: unit_of
    use rwmf_text_strings, only: integer_to_text
@@ -234,5 +234,29 @@ contains
          keys = [keys, (numbered(quantities(i)%key, j), j=first, floor_count(case))]
       end do
    end subroutine list_demands
+
+   !> True if `&limits` can have a limit of the quantity: peaks and final values.
+   elemental logical function is_limited(quantity)
+      type(quantity_t), intent(in) :: quantity
+
+      is_limited = .false.
+      if (.not. is_of_ordinate(quantity) .or. quantity%kind /= 'real') return
+      if (quantity%found == 'end') then
+         is_limited = index(quantity%outputs, 'run') > 0 .and. quantity%observed /= of_energy
+      else if (is_peak(quantity)) then
+         is_limited = index(quantity%key, '_normal_min') + index(quantity%key, &
+            '_stroke_min') + index(quantity%key, '_force_min') == 0
+      end if
+   end function is_limited
+
+   !> Key of `&limits` for a quantity; a list over floors or storeys is a plural.
+   elemental character(key_length) function limit_key(quantity) result(key)
+      type(quantity_t), intent(in) :: quantity
+      integer :: braces
+
+      key = quantity%key
+      braces = index(key, '_{i}')
+      if (braces > 0) key = key(:braces - 1)//'s'//key(braces + 4:)
+   end function limit_key
 
 end module rwmf_input_groups_limits

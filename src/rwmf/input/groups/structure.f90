@@ -192,6 +192,7 @@ contains
    type(case_group_t) function impact_group() result(group)
       group%name = 'impact'
       group%needs(1) = 'wall'
+      group%not_on_base = 'contact takes the place of impacts'
       group%reasons(1) = 'only a wall has impacts'
       group%keys = [ &
          unless('base', optional_key('impact', 'rule', 'choice', '', 'coupled', &

@@ -58,7 +58,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) as of `set_state`
       type(base_regime_t), intent(out) :: regime
-      real(wp) :: a(2), b(2)
+      real(wp) :: a(2), b(2), span(2)
 
       call find_lines(scene, y, a, b)
       regime%is_met(1:3:2) = -scene%b*a - b >= 0
@@ -67,8 +67,9 @@ contains
       allocate (regime%passed(before_strips + 3*scene%strips), source=.false.)
       call find_contact(scene, regime)
       if (scene%slides .and. abs(y(4)) > 0) regime%slip = int(sign(1.0_wp, y(4)))
-      if (scene%has_tendon) regime%is_taut = scene%eta_0 + scene%eta_slope*(hypot(y(3) &
-         + 2*scene%h*a(1), y(5) + 2*scene%h*cos(y(1))) - scene%l_0) >= 0
+      span = [y(3) + 2*scene%h*a(1), y(5) + 2*scene%h*cos(y(1))]
+      if (scene%has_tendon) regime%is_taut = scene%eta_0 + scene%eta_slope*(norm2(span) &
+         - scene%l_0) >= 0
       regime%depth = 0*scene%place
       regime%strips = merge(is_pressed, is_off, scene%place*a(1) - y(5) >= 0)
    end subroutine begin_regime
@@ -135,15 +136,16 @@ contains
                call add_strip(k)
             end do
          else
-            call add(1, -b*of%sine - of%z)
-            call add(2, b*of%sine - of%z)
+            call add(1, -b*of%turn%sine - of%z)
+            call add(2, b*of%turn%sine - of%z)
             if (scene%delay > 0) then
-               call add(3, -b*of%a2 - of%b2)
-               call add(4, b*of%a2 - of%b2)
+               call add(3, -b*of%contact%a2 - of%contact%b2)
+               call add(4, b*of%contact%a2 - of%contact%b2)
                if ((regime%is_met(1) .neqv. regime%is_met(2)) .and. (regime%is_met(3) .neqv. &
                    regime%is_met(4))) then
                   do k = 0, order
-                     c(k) = product_term(k, of%z, of%a2) - product_term(k, of%b2, of%sine)
+                     c(k) = product_term(k, of%z, of%contact%a2) - product_term(k, &
+                        of%contact%b2, of%turn%sine)
                   end do
                   call add(of_cross, c)
                end if
@@ -189,8 +191,8 @@ contains
 
          associate (of => series, xi => scene%place(i))
             first = before_strips + 3*i - 2
-            rate(:order) = of%cosine_rate(:order)*xi - of%z_dot(:order)
-            deep(:order) = of%sine(:order)*xi - of%z(:order)
+            rate(:order) = of%turn%cosine_rate(:order)*xi - of%z_dot(:order)
+            deep(:order) = of%turn%sine(:order)*xi - of%z(:order)
             deep(0) = deep(0) - regime%depth(i)
             select case (regime%strips(i))
             case (is_off)

@@ -228,7 +228,7 @@ contains
             force = scene%g
             slope = kappa*contact
             if (scene%has_tendon) then
-               length = hypot(2*h*s, z + 2*h*cos(theta))
+               length = sqrt((2*h*s)**2 + (z + 2*h*cos(theta))**2)
                associate (eta => scene%eta_0 + scene%eta_slope*(length - scene%l_0))
                   force = force + scene%g*max(0.0_wp, eta)*(z + 2*h*cos(theta))/length
                end associate

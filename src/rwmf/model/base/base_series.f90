@@ -46,6 +46,47 @@ module rwmf_model_base_base_series
       !! (strips) crushed depth of each [m]
    end type base_mode_t
 
+   !> Series that follow from the rotation.
+   type :: turn_series_t
+      real(wp), dimension(0:highest_order) :: sine, cosine
+      !! of theta [-]
+      real(wp), dimension(0:highest_order) :: sine_rate, cosine_rate
+      !! sin(theta) theta', cos(theta) theta' [1/s]
+      real(wp), dimension(0:highest_order) :: gain, bias
+      !! J = du_r/dtheta [m], and u_r'' for theta'' = 0 [m/s2]
+      real(wp), dimension(0:highest_order) :: lever, inertia
+      !! coefficients of theta'' in the rows of x [m] and theta [m2]
+   end type turn_series_t
+
+   !> Series of an elastic strip in contact.
+   type :: contact_series_t
+      real(wp), dimension(0:highest_order) :: a2, b2
+      !! damped stress at xi over k: a2 xi - b2 [-], [m]
+      real(wp), dimension(0:highest_order) :: left, right
+      !! ends of the contact [m]
+      real(wp) :: squares(0:highest_order, 2), spans(0:highest_order, 3)
+      !! squares of the ends of the contact; differences of their first to third powers [m],
+      !! [m2], [m3]
+   end type contact_series_t
+
+   !> Series of the tendon.
+   type :: tendon_series_t
+      real(wp), dimension(0:highest_order) :: span_x, span_z, length
+      !! distances of its anchors [m]
+      real(wp), dimension(0:highest_order) :: arm
+      !! arm of its force about the middle of the base, times its length [m2]
+      real(wp), dimension(0:highest_order) :: pull
+      !! its force over m_w and its length [1/s2]
+   end type tendon_series_t
+
+   !> Ground acceleration, weight and forces of the frame on the top of the wall.
+   type :: load_series_t
+      real(wp), dimension(0:highest_order) :: weight
+      !! over m_w [m/s2]
+      real(wp), dimension(0:highest_order) :: roof
+      !! force of frame and ground on u_r over m_w, for theta'' = 0 [m/s2]
+   end type load_series_t
+
    !> Series of one step. Index n is the coefficient of the n-th power, in the unit of the quantity
    !> over s**n.
    type :: base_series_t
@@ -61,20 +102,8 @@ module rwmf_model_base_base_series
       !! (0:highest_order, free floors) displacements [m] and their derivatives
       real(wp), dimension(0:highest_order) :: ground, upward
       !! ground acceleration, horizontal and vertical [m/s2]
-      real(wp), dimension(0:highest_order) :: sine, cosine
-      !! of theta [-]
-      real(wp), dimension(0:highest_order) :: sine_rate, cosine_rate
-      !! sin(theta) theta', cos(theta) theta' [1/s]
       real(wp), dimension(0:highest_order) :: u, u_dot, u_ddot
       !! displacement u_r of the wall's top over its base [m] and its derivatives
-      real(wp), dimension(0:highest_order) :: gain, bias
-      !! J = du_r/dtheta [m], and u_r'' for theta'' = 0 [m/s2]
-      real(wp), dimension(0:highest_order) :: lever, inertia
-      !! coefficients of theta'' in the rows of x [m] and theta [m2]
-      real(wp), dimension(0:highest_order) :: a2, b2
-      !! damped stress at xi over k: a2 xi - b2 [-], [m]
-      real(wp), dimension(0:highest_order) :: left, right
-      !! ends of the contact [m]
       real(wp), dimension(0:highest_order) :: normal, moment, shear
       !! forces of the base over m_w: N, H [m/s2], and the moment of N about the middle [m2/s2]
       real(wp), dimension(0:highest_order) :: tendon
@@ -83,14 +112,10 @@ module rwmf_model_base_base_series
       !! horizontal force of the tendon on the ground over m_w [m/s2]
       real(wp), allocatable :: force(:, :)
       !! (0:highest_order, 2 + free) forces of the frame on w [m/s2]
-      real(wp), private :: squares(0:highest_order, 2), spans(0:highest_order, 3)
-      !! squares of the ends of the contact; differences of their first to third powers [m],
-      !! [m2], [m3]
-      real(wp), private, dimension(0:highest_order) :: span_x, span_z, length, arm, pull
-      !! the tendon between its anchors and its arm about the middle [m2]; its force over m_w and
-      !! its length [1/s2]
-      real(wp), private, dimension(0:highest_order) :: weight, roof
-      !! weight over m_w, and the force of frame and ground on u_r for theta'' = 0 [m/s2]
+      type(turn_series_t) :: turn
+      type(contact_series_t) :: contact
+      type(tendon_series_t), private :: cable
+      type(load_series_t), private :: load
    end type base_series_t
 
 contains
@@ -185,20 +210,20 @@ contains
 
       associate (of => series, h => scene%h, b => scene%b)
          if (n == 0) then
-            of%sine(0) = sin(of%theta(0))
-            of%cosine(0) = cos(of%theta(0))
-            of%u(0) = 2*h*of%sine(0) + 2*b*sin(of%theta(0)/2)**2
+            of%turn%sine(0) = sin(of%theta(0))
+            of%turn%cosine(0) = cos(of%theta(0))
+            of%u(0) = 2*h*of%turn%sine(0) + 2*b*sin(of%theta(0)/2)**2
          else
-            of%sine(n) = of%cosine_rate(n - 1)/n
-            of%cosine(n) = -of%sine_rate(n - 1)/n
-            of%u(n) = 2*h*of%sine(n) - b*of%cosine(n)
+            of%turn%sine(n) = of%turn%cosine_rate(n - 1)/n
+            of%turn%cosine(n) = -of%turn%sine_rate(n - 1)/n
+            of%u(n) = 2*h*of%turn%sine(n) - b*of%turn%cosine(n)
          end if
-         of%sine_rate(n) = product_term(n, of%sine, of%theta_dot)
-         of%cosine_rate(n) = product_term(n, of%cosine, of%theta_dot)
-         of%gain(n) = 2*h*of%cosine(n) + b*of%sine(n)
-         of%u_dot(n) = 2*h*of%cosine_rate(n) + b*of%sine_rate(n)
-         of%a2(n) = of%sine(n) + scene%delay*of%cosine_rate(n)
-         of%b2(n) = of%z(n) + scene%delay*of%z_dot(n)
+         of%turn%sine_rate(n) = product_term(n, of%turn%sine, of%theta_dot)
+         of%turn%cosine_rate(n) = product_term(n, of%turn%cosine, of%theta_dot)
+         of%turn%gain(n) = 2*h*of%turn%cosine(n) + b*of%turn%sine(n)
+         of%u_dot(n) = 2*h*of%turn%cosine_rate(n) + b*of%turn%sine_rate(n)
+         of%contact%a2(n) = of%turn%sine(n) + scene%delay*of%turn%cosine_rate(n)
+         of%contact%b2(n) = of%z(n) + scene%delay*of%z_dot(n)
       end associate
    end subroutine expand_kinematics
 
@@ -212,21 +237,22 @@ contains
       associate (of => series)
          of%normal(n) = 0
          of%moment(n) = 0
-         of%left(n) = 0
-         of%right(n) = 0
+         of%contact%left(n) = 0
+         of%contact%right(n) = 0
          if (.not. mode%touches) return
-         of%left(n) = contact_end(mode%left, -scene%b, of%left)
-         of%right(n) = contact_end(mode%right, scene%b, of%right)
-         of%squares(n, 1) = product_term(n, of%right, of%right)
-         of%squares(n, 2) = product_term(n, of%left, of%left)
-         of%spans(n, 1) = of%right(n) - of%left(n)
-         of%spans(n, 2) = of%squares(n, 1) - of%squares(n, 2)
-         of%spans(n, 3) = product_term(n, of%squares(:, 1), of%right) - product_term(n, &
-            of%squares(:, 2), of%left)
-         of%normal(n) = scene%kappa*(product_term(n, of%a2, of%spans(:, 2))/2 &
-            - product_term(n, of%b2, of%spans(:, 1)))
-         of%moment(n) = scene%kappa*(product_term(n, of%a2, of%spans(:, 3))/3 &
-            - product_term(n, of%b2, of%spans(:, 2))/2)
+         of%contact%left(n) = contact_end(mode%left, -scene%b, of%contact%left)
+         of%contact%right(n) = contact_end(mode%right, scene%b, of%contact%right)
+         of%contact%squares(n, 1) = product_term(n, of%contact%right, of%contact%right)
+         of%contact%squares(n, 2) = product_term(n, of%contact%left, of%contact%left)
+         of%contact%spans(n, 1) = of%contact%right(n) - of%contact%left(n)
+         of%contact%spans(n, 2) = of%contact%squares(n, 1) - of%contact%squares(n, 2)
+         of%contact%spans(n, 3) = product_term(n, of%contact%squares(:, 1), of%contact%right) &
+            - product_term(n, &
+            of%contact%squares(:, 2), of%contact%left)
+         of%normal(n) = scene%kappa*(product_term(n, of%contact%a2, of%contact%spans(:, 2))/2 &
+            - product_term(n, of%contact%b2, of%contact%spans(:, 1)))
+         of%moment(n) = scene%kappa*(product_term(n, of%contact%a2, of%contact%spans(:, 3))/3 &
+            - product_term(n, of%contact%b2, of%contact%spans(:, 2))/2)
       end associate
 
    contains
@@ -241,9 +267,9 @@ contains
 
          select case (kind)
          case (at_first)
-            c = quotient_term(n, series%z(n), series%sine, past)
+            c = quotient_term(n, series%z(n), series%turn%sine, past)
          case (at_second)
-            c = quotient_term(n, series%b2(n), series%a2, past)
+            c = quotient_term(n, series%contact%b2(n), series%contact%a2, past)
          case default
             c = merge(edge, 0.0_wp, n == 0)
          end select
@@ -261,14 +287,14 @@ contains
 
       associate (of => series)
          ! rate of the settlement: flow(1) xi - flow(2)
-         flow = scene%delay*[of%cosine_rate(n), of%z_dot(n)]
+         flow = scene%delay*[of%turn%cosine_rate(n), of%z_dot(n)]
          of%normal(n) = 0
          of%moment(n) = 0
          do i = 1, scene%strips
             associate (xi => scene%place(i))
                select case (mode%strips(i))
                case (is_pressed)
-                  stress = of%a2(n)*xi - of%b2(n)
+                  stress = of%contact%a2(n)*xi - of%contact%b2(n)
                   if (n == 0) stress = stress - mode%depth(i)
                case (is_crushing)
                   stress = flow(1)*xi - flow(2)
@@ -292,18 +318,20 @@ contains
       real(wp) :: square
 
       associate (of => series)
-         of%span_x(n) = of%x(n) + 2*scene%h*of%sine(n)
-         of%span_z(n) = of%z(n) + 2*scene%h*of%cosine(n)
-         square = product_term(n, of%span_x, of%span_x) + product_term(n, of%span_z, of%span_z)
+         of%cable%span_x(n) = of%x(n) + 2*scene%h*of%turn%sine(n)
+         of%cable%span_z(n) = of%z(n) + 2*scene%h*of%turn%cosine(n)
+         square = product_term(n, of%cable%span_x, of%cable%span_x) + product_term(n, &
+            of%cable%span_z, of%cable%span_z)
          if (n == 0) then
-            of%length(0) = sqrt(square)
-            of%tendon(0) = scene%eta_0 + scene%eta_slope*(of%length(0) - scene%l_0)
+            of%cable%length(0) = sqrt(square)
+            of%tendon(0) = scene%eta_0 + scene%eta_slope*(of%cable%length(0) - scene%l_0)
          else
-            of%length(n) = root_term(n, square, of%length)
-            of%tendon(n) = scene%eta_slope*of%length(n)
+            of%cable%length(n) = root_term(n, square, of%cable%length)
+            of%tendon(n) = scene%eta_slope*of%cable%length(n)
          end if
-         of%pull(n) = 0
-         if (mode%is_taut) of%pull(n) = quotient_term(n, scene%g*of%tendon(n), of%length, of%pull)
+         of%cable%pull(n) = 0
+         if (mode%is_taut) of%cable%pull(n) = quotient_term(n, scene%g*of%tendon(n), &
+            of%cable%length, of%cable%pull)
       end associate
    end subroutine expand_tendon
 
@@ -341,26 +369,27 @@ contains
 
       associate (of => series, h => scene%h)
          call sum_forces(n, scene, series, row)
-         row(1) = row(1) - known(of%lever, of%theta_ddot)
-         row(2) = row(2) + h*known(of%sine, of%theta_ddot)
-         row(3) = row(3) + h*known(of%sine, of%z_ddot) - known(of%inertia, of%theta_ddot) &
-            - known(of%lever, of%x_ddot)
-         own = of%inertia(0) - (h*of%sine(0))**2
+         row(1) = row(1) - known(of%turn%lever, of%theta_ddot)
+         row(2) = row(2) + h*known(of%turn%sine, of%theta_ddot)
+         row(3) = row(3) + h*known(of%turn%sine, of%z_ddot) - known(of%turn%inertia, &
+            of%theta_ddot) &
+            - known(of%turn%lever, of%x_ddot)
+         own = of%turn%inertia(0) - (h*of%turn%sine(0))**2
          if (.not. scene%slides .or. (mode%slip == 0 .and. mode%touches)) then
-            of%theta_ddot(n) = (row(3) + h*of%sine(0)*row(2))/own
+            of%theta_ddot(n) = (row(3) + h*of%turn%sine(0)*row(2))/own
             of%x_ddot(n) = 0
-            of%shear(n) = of%lever(0)*of%theta_ddot(n) - row(1)
+            of%shear(n) = of%turn%lever(0)*of%theta_ddot(n) - row(1)
          else
             of%shear(n) = 0
             if (mode%touches) of%shear(n) = -mode%slip*scene%mu*of%normal(n)
             row(1) = row(1) + of%shear(n)
             mass = 1 + scene%frame%mass(1, 1)
-            of%theta_ddot(n) = (row(3) + h*of%sine(0)*row(2) - of%lever(0)*row(1)/mass) &
-               /(own - of%lever(0)**2/mass)
-            of%x_ddot(n) = (row(1) - of%lever(0)*of%theta_ddot(n))/mass
+            of%theta_ddot(n) = (row(3) + h*of%turn%sine(0)*row(2) - of%turn%lever(0)*row(1)/mass) &
+               /(own - of%turn%lever(0)**2/mass)
+            of%x_ddot(n) = (row(1) - of%turn%lever(0)*of%theta_ddot(n))/mass
          end if
-         of%z_ddot(n) = row(2) + h*of%sine(0)*of%theta_ddot(n)
-         of%u_ddot(n) = of%bias(n) + product_term(n, of%gain, of%theta_ddot)
+         of%z_ddot(n) = row(2) + h*of%turn%sine(0)*of%theta_ddot(n)
+         of%u_ddot(n) = of%turn%bias(n) + product_term(n, of%turn%gain, of%theta_ddot)
       end associate
 
    contains
@@ -388,30 +417,33 @@ contains
       real(wp) :: spin(2)
 
       associate (of => series, h => scene%h, frame => scene%frame)
-         spin = [product_term(n, of%sine_rate, of%theta_dot), &
-            product_term(n, of%cosine_rate, of%theta_dot)]
-         of%bias(n) = -2*h*spin(1) + scene%b*spin(2)
-         of%lever(n) = h*of%cosine(n) + frame%mass(1, 2)*of%gain(n)
-         of%inertia(n) = 0
-         of%weight(n) = of%upward(n)
-         if (n == 0) of%inertia(0) = scene%inertia
-         if (n == 0) of%weight(0) = of%upward(0) + scene%g
-         row = [h*spin(1) - of%ground(n), of%normal(n) + h*spin(2) - of%weight(n), &
-            h*product_term(n, of%weight, of%sine) - h*product_term(n, of%ground, of%cosine) &
-            - product_term(n, of%cosine, of%moment)]
+         spin = [product_term(n, of%turn%sine_rate, of%theta_dot), &
+            product_term(n, of%turn%cosine_rate, of%theta_dot)]
+         of%turn%bias(n) = -2*h*spin(1) + scene%b*spin(2)
+         of%turn%lever(n) = h*of%turn%cosine(n) + frame%mass(1, 2)*of%turn%gain(n)
+         of%turn%inertia(n) = 0
+         of%load%weight(n) = of%upward(n)
+         if (n == 0) of%turn%inertia(0) = scene%inertia
+         if (n == 0) of%load%weight(0) = of%upward(0) + scene%g
+         row = [h*spin(1) - of%ground(n), of%normal(n) + h*spin(2) - of%load%weight(n), &
+            h*product_term(n, of%load%weight, of%turn%sine) - h*product_term(n, of%ground, &
+               of%turn%cosine) &
+            - product_term(n, of%turn%cosine, of%moment)]
          if (frame%n > 0) then
-            of%inertia(n) = of%inertia(n) + frame%mass(2, 2)*product_term(n, of%gain, of%gain)
-            of%roof(n) = of%force(n, 2) + frame%excited(2)*of%ground(n) &
-               + frame%mass(2, 2)*of%bias(n)
+            of%turn%inertia(n) = of%turn%inertia(n) + frame%mass(2, 2)*product_term(n, &
+               of%turn%gain, of%turn%gain)
+            of%load%roof(n) = of%force(n, 2) + frame%excited(2)*of%ground(n) &
+               + frame%mass(2, 2)*of%turn%bias(n)
             row(1) = row(1) - frame%excited(1)*of%ground(n) - of%force(n, 1) &
-               - frame%mass(1, 2)*of%bias(n)
-            row(3) = row(3) - product_term(n, of%gain, of%roof)
+               - frame%mass(1, 2)*of%turn%bias(n)
+            row(3) = row(3) - product_term(n, of%turn%gain, of%load%roof)
          end if
          if (scene%has_tendon) then
-            of%arm(n) = 2*h*(product_term(n, of%x, of%cosine) - product_term(n, of%z, of%sine))
-            of%anchor(n) = product_term(n, of%pull, of%span_x)
-            row = row - [of%anchor(n), product_term(n, of%pull, of%span_z), product_term(n, &
-               of%pull, of%arm)]
+            of%cable%arm(n) = 2*h*(product_term(n, of%x, of%turn%cosine) - product_term(n, of%z, &
+               of%turn%sine))
+            of%anchor(n) = product_term(n, of%cable%pull, of%cable%span_x)
+            row = row - [of%anchor(n), product_term(n, of%cable%pull, of%cable%span_z), &
+               product_term(n, of%cable%pull, of%cable%arm)]
          end if
       end associate
    end subroutine sum_forces

@@ -11,7 +11,7 @@ module rwmf_model_effects_bending
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
       model_t
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
-   use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_case_group, only: case_group_t, name_length, two_corners
    use rwmf_problem_frame_strength, only: count_linked_smooth
    use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, integer_of, &
       real_of, text_of
@@ -40,6 +40,7 @@ contains
          'wall whose modes have xi: bare on a fixed base, or rocking with its floors (first mode)')
       group%name = 'bending'
       group%needs(1) = 'wall'
+      group%not_on_base = two_corners
       group%reasons(1) = 'it describes the stiffness of the wall'
       group%keys = [ &
          with_si('N m2', usually('[1, 1e8]', required('bending', 'EI_over_m_w', 'real', 'm3/s2', &

@@ -3,12 +3,12 @@ module rwmf_model_effects_compliant_base
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: base_t, case_t
-   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_case_group, only: case_group_t, two_corners
    use rwmf_problem_group_values, only: derive, get_real, group_values_t, has_group, has_key, &
       integer_of, logical_of, real_of, text_of
    use rwmf_problem_key, only: dimensional, not_negative, optional_key, positive, &
       required, usually
-   use rwmf_problem_rules, only: fail_group, fail_key
+   use rwmf_problem_rules, only: fail_key
    implicit none
    private
 
@@ -16,7 +16,6 @@ module rwmf_model_effects_compliant_base
 
    character(*), parameter :: name = 'base'
    !! name of the group
-   character(*), parameter :: first_version = 'the equations of a base that gives do not have it'
 
 contains
 
@@ -36,7 +35,7 @@ contains
          usually('[0.01, 20]', optional_key(name, 'length', 'real', 'm', '', positive, &
             'height of the strip; beside E')), &
          optional_key(name, 'xi', 'real', '-', '0.0', '[0, 3]', &
-            'damping ratio of the vertical motion in full contact'), &
+            'damping ratio of the bounce in full contact'), &
          optional_key(name, 'delay', 'real', 's', '', not_negative, &
             'or the damping over the stiffness, c/k'), &
          dimensional(name, 'c', 'real', 'N s/m3', 'delay', 'k', &
@@ -99,7 +98,7 @@ contains
       if (.not. has_group(values, name)) return
       call check_keys(values, error)
       if (.not. allocated(error)) call check_scene(values, error)
-      if (.not. allocated(error)) call check_groups(values, error)
+      if (.not. allocated(error)) call check_tendon(values, error)
    end subroutine check_base
 
    !> Check keys that exclude or need each other.
@@ -146,34 +145,21 @@ contains
       end if
    end subroutine check_scene
 
-   !> Refuse groups and keys of the cable that the equations do not have.
-   subroutine check_groups(values, error)
+   !> Refuse keys of the cable that the equations do not have.
+   subroutine check_tendon(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
-      character(12), parameter :: groups(*) = [character(12) :: 'impact', 'bending', 'link', &
-         'base_section', 'fuse', 'damper', 'nl_damper', 'coupling', 'restraint', 'inerter', &
-         'yielding', 'p_delta']
       character(14), parameter :: keys(*) = [character(14) :: 'offset', 'height', 'eta_y', &
          'rupture_strain']
-      character(:), allocatable :: reason
       integer :: i
 
-      do i = 1, size(groups)
-         if (.not. has_group(values, trim(groups(i)))) cycle
-         reason = first_version
-         if (groups(i) == 'impact') reason = 'contact takes the place of impacts'
-         if (groups(i) == 'base_section') reason = 'its numbers are outputs of &base'
-         call fail_group(values, trim(groups(i)), 'must not be given with &base ('//reason//')', &
-            error)
-         return
-      end do
       do i = 1, size(keys)
          if (.not. has_key(values, 'cable', trim(keys(i)))) cycle
          call fail_key(values, 'cable', trim(keys(i)), 'must not be given with &base (' &
-            //first_version//')', error)
+            //two_corners//')', error)
          return
       end do
-   end subroutine check_groups
+   end subroutine check_tendon
 
    subroutine fill_base(case, error)
       type(case_t), intent(inout) :: case

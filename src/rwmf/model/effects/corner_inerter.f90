@@ -10,7 +10,7 @@ module rwmf_model_effects_corner_inerter
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t
    use rwmf_model_scene, only: under_corner
    use rwmf_problem_case, only: case_t, inerter_t
-   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_case_group, only: case_group_t, two_corners
    use rwmf_problem_group_values, only: real_of
    use rwmf_problem_key, only: dimensional, not_negative, required, with_si, usually
    implicit none
@@ -25,6 +25,7 @@ contains
    type(case_group_t) function inerter_group() result(group)
       group%name = 'inerter'
       group%needs(1) = 'wall'
+      group%not_on_base = two_corners
       group%reasons(1) = 'inerters work under its corners'
       group%keys = [ &
          with_si('kg', required('inerter', 'inertance_over_m_w', 'real', '-', not_negative, &

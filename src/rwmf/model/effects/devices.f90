@@ -4,7 +4,7 @@ module rwmf_model_effects_devices
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t, devices_t
-   use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_case_group, only: case_group_t, name_length, two_corners
    use rwmf_problem_element_lists, only: check_base, check_lists, check_offsets, &
       get_each, number_of_elements
    use rwmf_problem_group_values, only: derive, get_list, group_values_t, has_key, integer_of, &
@@ -24,6 +24,7 @@ contains
    type(case_group_t) function fuse_group() result(group)
       group%name = 'fuse'
       group%needs(1) = 'wall'
+      group%not_on_base = two_corners
       group%reasons(1) = 'fuses work under its base'
       group%keys = [offset_key('fuse'), spring_keys('fuse')]
       group%keys(2:3)%is_required = .true.
@@ -40,6 +41,7 @@ contains
    type(case_group_t) function damper_group() result(group)
       group%name = 'damper'
       group%needs(1) = 'wall'
+      group%not_on_base = two_corners
       group%reasons(1) = 'dampers work under its base'
       group%keys = [offset_key('damper'), damper_keys('damper')]
       group%keys(2)%is_required = .true.
@@ -52,6 +54,7 @@ contains
    type(case_group_t) function nl_damper_group() result(group)
       group%name = 'nl_damper'
       group%needs(1) = 'wall'
+      group%not_on_base = two_corners
       group%reasons(1) = 'dampers work under its base'
       group%keys = [offset_key('nl_damper'), &
          with_si('N', usually('[1e-4, 10]', required('nl_damper', 'eta_1', 'reals', '-', &
@@ -69,6 +72,7 @@ contains
    type(case_group_t) function coupling_group() result(group)
       group%name = 'coupling'
       group%needs(1) = 'wall'
+      group%not_on_base = two_corners
       group%reasons(1) = 'it acts between adjacent walls'
       group%keys = [spring_keys('coupling'), linear_keys('coupling'), damper_keys('coupling'), &
          usually('[0, 10]', optional_key('coupling', 'span', 'real', 'm', '0.0', not_negative, &
@@ -86,6 +90,7 @@ contains
    type(case_group_t) function restraint_group() result(group)
       group%name = 'restraint'
       group%needs(1) = 'wall'
+      group%not_on_base = two_corners
       group%reasons(1) = 'it holds points of the wall'
       group%keys = [required('restraint', 'offset', 'real list', 'm', any_real, &
          'place of each held point to the right of the axis, at most 20 b away'), &

@@ -7,7 +7,7 @@ module rwmf_model_effects_link
    use rwmf_model_lanes, only: link_coefficients
    use rwmf_model_scene, only: through_link
    use rwmf_problem_case, only: case_t, link_t
-   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_case_group, only: case_group_t, two_corners
    use rwmf_problem_group_values, only: group_values_t, real_of, text_of
    use rwmf_problem_key, only: positive, required, usually
    use rwmf_problem_rules, only: fail_group, fail_key
@@ -25,6 +25,7 @@ contains
       group%name = 'link'
       group%needs = [character(12) :: 'wall', 'frame']
       group%reasons = 'a link joins wall and frame'
+      group%not_on_base = two_corners
       group%keys = [usually('[0.1, 100]', required('link', 'L', 'real', 'm', positive, &
          'length of the link, Eqs (2), (3); absent: infinitely long'))]
       group%check => check_link

@@ -10,7 +10,7 @@ module rwmf_model_effects_p_delta
       model_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_problem_case, only: case_t, has_floors, has_numbers, keep_numbers, numbers_of
-   use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_case_group, only: case_group_t, name_length, two_corners
    use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, real_of
    use rwmf_problem_key, only: dimensional, not_negative, optional_key, positive, unless, usually
    use rwmf_problem_rules, only: fail_group, fail_key
@@ -33,6 +33,7 @@ contains
    type(case_group_t) function p_delta_group() result(group)
       group%name = 'p_delta'
       group%needs(1) = 'frame'
+      group%not_on_base = two_corners
       group%reasons(1) = 'its displacement is what gravity acts on'
       group%keys = [ &
          usually('[0.01, 100]', &

@@ -189,7 +189,7 @@ contains
          else
             exit
          end if
-         ! a limit beyond the numbers is not passed; the run then ends with a state that is not finite
+         ! a limit beyond the numbers is not passed; the run then ends with a state not finite
          if (.not. any(abs([state%low, state%high] - window) > 0)) exit
       end do
       ! springs that have yielded during this loading may unload from here on

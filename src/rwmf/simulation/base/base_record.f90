@@ -45,12 +45,12 @@ module rwmf_simulation_base_base_record
    !! drifts [-] of all storeys, then accelerations of all floors over g [-]
 
    !> Column of the history.
-   type :: column_t
+   type :: history_column_t
       integer :: number = 0
       !! of the series; 0 for the time
       real(wp) :: factor = 1
       !! unit of the series in the unit of the column
-   end type column_t
+   end type history_column_t
 
    !> Columns with their extremes so far, energies and history.
    type :: base_record_t
@@ -71,7 +71,7 @@ module rwmf_simulation_base_base_record
       real(wp) :: friction = 0
       !! dissipated by slip [J/kg]
       type(history_t), allocatable :: history
-      type(column_t), allocatable :: columns(:)
+      type(history_column_t), allocatable :: columns(:)
       !! of the history
       integer :: rows = 0
       !! of the history, written so far
@@ -186,7 +186,6 @@ contains
       if (scene%slides) call add(id%base_slip_m, of_slip)
       call add(id%base_normal_over_m_w_g, of_normal)
       call add(id%base_shear_over_m_w_g, of_shear)
-      call add(id%contact_length_m, of_contact)
       if (allocated(scene%frame%height)) then
          do i = 1, scene%frame%n
             call add(id%storey_i_drift, first_floor + i - 1, i)
@@ -195,6 +194,7 @@ contains
       do i = 1, scene%frame%n
          call add(id%floor_i_acceleration_g, first_floor + scene%frame%n + i - 1, i)
       end do
+      call add(id%contact_length_m, of_contact)
       record%columns = record%columns(:n)
       record%history%names = names(:n)(:len(record%history%names))
 
@@ -210,12 +210,12 @@ contains
          n = n + 1
          names(n) = key_of(quantity)
          if (present(floor)) names(n) = numbered(trim(key_of(quantity)), floor)
-         record%columns(n) = column_t(column)
+         record%columns(n) = history_column_t(column)
          row = findloc(all_quantities%ratio, quantity, dim=1)
          if (row == 0 .or. .not. case%unit_mass > 0) return
          n = n + 1
          names(n) = all_quantities(row)%key
-         record%columns(n) = column_t(column, weight_under(case, quantity))
+         record%columns(n) = history_column_t(column, weight_under(case, quantity))
       end subroutine add
    end subroutine name_columns
 
@@ -320,8 +320,8 @@ contains
          column(:n, of_rate) = of%theta_dot(:n)
          if (.not. (allocated(record%history) .or. any(record%is_sought(of_rate + 1:)))) return
          column(:n, of_middle) = of%z(:n)
-         column(:n, of_left) = -b*of%sine(:n) - of%z(:n)
-         column(:n, of_right) = b*of%sine(:n) - of%z(:n)
+         column(:n, of_left) = -b*of%turn%sine(:n) - of%z(:n)
+         column(:n, of_right) = b*of%turn%sine(:n) - of%z(:n)
          column(:n, of_normal) = of%normal(:n)/scene%g
          column(:n, of_shear) = of%shear(:n)/scene%g
          column(:n, of_slip) = of%x(:n)
@@ -332,10 +332,12 @@ contains
             column(0, of_contact) = scene%width*count(regime%strips == is_pressed &
                .or. regime%strips == is_crushing)
          else
-            column(:n, of_contact) = of%right(:n) - of%left(:n)
+            column(:n, of_contact) = of%contact%right(:n) - of%contact%left(:n)
             do k = 0, n
-               column(k, of_stress) = product_term(k, of%a2, of%left) - of%b2(k)
-               column(k, of_stress + 1) = product_term(k, of%a2, of%right) - of%b2(k)
+               column(k, of_stress) = product_term(k, of%contact%a2, of%contact%left) &
+                  - of%contact%b2(k)
+               column(k, of_stress + 1) = product_term(k, of%contact%a2, of%contact%right) &
+                  - of%contact%b2(k)
             end do
             if (.not. regime%touches) column(:n, of_stress:of_stress + 1) = 0
          end if
@@ -345,7 +347,7 @@ contains
          column(:n, of_upward) = of%upward(:n)
          column(:n, of_total) = (of%shear(:n) - of%force(:n, 1) - of%anchor(:n)) &
             /(scene%g*(1 + scene%frame%mass(1, 1) + sum(scene%frame%m(:scene%frame%free))))
-         column(:n, of_drift) = (of%x(:n) + 2*scene%h*of%sine(:n))/(2*scene%h)
+         column(:n, of_drift) = (of%x(:n) + 2*scene%h*of%turn%sine(:n))/(2*scene%h)
       end associate
       if (scene%frame%n > 0) call fill_floors(scene, series, record)
    end subroutine fill_columns
@@ -393,10 +395,10 @@ contains
          associate (n => series%order, xi => scene%place(i))
             select case (regime%strips(i))
             case (is_pressed)
-               c(:n) = xi*series%a2(:n) - series%b2(:n)
+               c(:n) = xi*series%contact%a2(:n) - series%contact%b2(:n)
                c(0) = c(0) - regime%depth(i)
             case (is_crushing)
-               c(:n) = scene%delay*(xi*series%cosine_rate(:n) - series%z_dot(:n))
+               c(:n) = scene%delay*(xi*series%turn%cosine_rate(:n) - series%z_dot(:n))
                c(0) = c(0) + scene%d_y
             case default
                cycle
@@ -426,16 +428,16 @@ contains
          rates(:n, 1) = of%x_dot(:n)
          rates(:n, 2) = of%u_dot(:n)
          rates(:n, 3:) = of%q_dot(:n, :)
-         push(:n) = of%x_dot(:n) + scene%h*of%cosine_rate(:n)
+         push(:n) = of%x_dot(:n) + scene%h*of%turn%cosine_rate(:n)
          if (frame%n > 0) then
             push(:n) = push(:n) + matmul(rates(:n, :), [frame%excited, frame%m(:frame%free)])
             flow(:n, :) = matmul(rates(:n, :), frame%c)
          end if
-         lift(:n) = of%z_dot(:n) - scene%h*of%sine_rate(:n)
+         lift(:n) = of%z_dot(:n) - scene%h*of%turn%sine_rate(:n)
          do k = 0, n
             power = -product_term(k, of%ground, push) - product_term(k, of%upward, lift)
             energy%input = energy%input + power*h**(k + 1)/(k + 1)
-            power = product_term(k, of%cosine_rate, of%moment) - product_term(k, of%z_dot, &
+            power = product_term(k, of%turn%cosine_rate, of%moment) - product_term(k, of%z_dot, &
                of%normal)
             record%base_work = record%base_work + power*h**(k + 1)/(k + 1)
             if (regime%slip /= 0) record%friction = record%friction - product_term(k, of%x_dot, &
@@ -500,7 +502,7 @@ contains
          end if
          stored%gravity = scene%g*(z - scene%z_0 - 2*h*sin(y(1)/2)**2)
          if (scene%has_tendon) then
-            stretch = hypot(y(3) + 2*h*s, z + 2*h*c) - scene%l_0
+            stretch = sqrt((y(3) + 2*h*s)**2 + (z + 2*h*c)**2) - scene%l_0
             if (.not. regime%is_taut) stretch = -scene%eta_0/scene%eta_slope
             stored%cable = scene%g*stretch*(scene%eta_0 + scene%eta_slope*stretch/2)
          end if
