@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import rwmf
+from checkout import ROOT
 from compliant_wall import CompliantWall
 
 G = 9.81
@@ -324,3 +325,21 @@ def test_restitution(kappa: float, xi: float, factor: float) -> None:
     found = rwmf.studies.restitution(case)
     assert float(found.e) == pytest.approx(factor, abs=6e-4)
     assert float(found.e_housner) == pytest.approx(1 - 1.5 / 17)
+
+
+@pytest.mark.parametrize("kappa", [1e5, 1e7])
+def test_wall_of_the_paper_does_not_slide(kappa: float) -> None:
+    """Fig. 4 with the friction of the paper's finite elements; rigid corners ask for 758."""
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "fig04_against_finite_elements.nml")
+    rigid = rwmf.simulate(case)
+    soft = case.replace(
+        impact=None,
+        model={"formulation": "exact"},
+        base={"k_t_over_m_w": kappa, "xi": 0.3, "mu": 0.35},
+        cable={"law": "truss"},
+        solver={"rtol": 1e-8},
+    )
+    response = rwmf.simulate(soft)
+    assert float(response.slips) == 0
+    assert float(response.u_s_max) == pytest.approx(float(rigid.u_s_max), rel=1e-4)
+    assert float(rigid.friction_demand_impact_max) == pytest.approx(758, abs=1)
