@@ -81,6 +81,23 @@ def test_rest_under_a_held_rotation() -> None:
     )
 
 
+@pytest.mark.parametrize("d_y", [1.0, 1.2e-3])
+def test_rest_on_strips(d_y: float) -> None:
+    """Strips bear the weight and the tendon at the start, those beyond their strength as well."""
+    case = scene(
+        f"{FREE}, d_y={d_y}, strips=40 /\n&cable eta_0=0.5, eta_alpha=1.5, law='truss' /\n"
+        "&initial theta_over_alpha=0.2 /",
+        t_end=0.1,
+    )
+    response = run(case, dt=0.1)
+    force = float(response["cable_force_over_m_w_g"][0])
+    theta, z = 0.2 * math.atan2(0.5, 2.0), float(response["base_height"][0])
+    span = np.array([4 * math.sin(theta), z + 4 * math.cos(theta)])
+    expected = 1 + force * span[1] / math.hypot(*span)
+    assert float(response["base_normal_over_m_w_g"][0]) == pytest.approx(expected, rel=1e-12)
+    assert (float(response.crushed_right) > 0) == (d_y < 1)
+
+
 def test_block_that_slides_without_rocking() -> None:
     """A flat block on a stiff base slides as a mass on a plane, x'' = mu g - u_g''."""
     mu, a, omega, end = 0.2, 0.5, 2 * math.pi, 0.4
@@ -286,6 +303,7 @@ def test_rows_are_runs() -> None:
         ("&base k=1e9 /", "needs the mass of the wall"),
         ("&base k_t_over_m_w=1e4, d_y=0.5e-3 /", r"d_y = .*must be > .*1\.2 times"),
         ("&base k_t_over_m_w=1e4, mu=0.3, d_y=1.0 /", "either slides or crushes"),
+        ("&base k_t_over_m_w=1e4, delay=1.0 /", r"delay = .*xi = .*\[0, 3\]"),
         ("&base k_t_over_m_w=1e4 /\n&impact e=0.9 /", "contact takes the place of impacts"),
         (
             "&base k_t_over_m_w=1e4 /\n&model formulation='symmetric' /",

@@ -70,7 +70,7 @@ contains
       span = [y(3) + 2*scene%h*a(1), y(5) + 2*scene%h*cos(y(1))]
       if (scene%has_tendon) regime%is_taut = scene%eta_0 + scene%eta_slope*(norm2(span) &
          - scene%l_0) >= 0
-      regime%depth = 0*scene%place
+      regime%depth = max(0.0_wp, scene%place*a(1) - y(5) - scene%d_y)
       regime%strips = merge(is_pressed, is_off, scene%place*a(1) - y(5) >= 0)
    end subroutine begin_regime
 

@@ -107,6 +107,7 @@ contains
       if (scene%has_tendon) scene%eta_0 = sum(case%cable%eta_0)
       scene%z_0 = -scene%g*(1 + scene%eta_0)/(2*scene%b*scene%kappa)
       call check_strength(case%compliant_base, scene, error)
+      if (.not. allocated(error)) call check_delay(case%compliant_base, scene, error)
       if (allocated(error)) return
       if (scene%has_tendon) call add_tendon(case, scene)
       scene%frame%m = [real(wp) ::]
@@ -128,6 +129,21 @@ contains
       if (base%modulus > 0) error%message = error%message//' = ' &
          //trim(real_to_text(-reserve*scene%z_0*base%modulus))//' Pa'
    end subroutine check_strength
+
+   !> Check that a delay is no more damping than `xi` may be.
+   subroutine check_delay(base, scene, error)
+      type(base_t), intent(in) :: base
+      type(base_scene_t), intent(in) :: scene
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: most = 3
+      !! [-]
+
+      associate (xi => scene%delay*sqrt(2*scene%b*scene%kappa)/2)
+         if (.not. allocated(base%delay) .or. xi <= most) return
+         call fail(error, err_input, '&base: delay = '//trim(real_to_text(scene%delay)) &
+            //' s gives xi = '//trim(real_to_text(xi))//', must be in [0, 3]')
+      end associate
+   end subroutine check_delay
 
    !> Add the straight tendon, stressed on the settled wall. Eq. (1) sets its stiffness, between
    !> rest and the rotation alpha about a corner that does not settle.
@@ -214,30 +230,63 @@ contains
       real(wp), intent(in) :: theta
       !! [rad]
       integer, parameter :: most = 200
-      real(wp) :: force, slope, s, length, contact, deep, change
+      real(wp) :: slope, s, contact, deep, change
       integer :: i
 
       z = scene%z_0
       s = abs(sin(theta))
       if (.not. s > 0) return
-      associate (h => scene%h, b => scene%b, kappa => scene%kappa)
+      if (scene%strips > 0) then
+         z = settlement_of_strips(scene, s)
+         return
+      end if
+      associate (b => scene%b, kappa => scene%kappa)
          do i = 1, most
             deep = b*s - z
             ! the force is convex in z: Newton's method passes the root at most once
             contact = min(2*b, deep/s)
-            force = scene%g
             slope = kappa*contact
-            if (scene%has_tendon) then
-               length = sqrt((2*h*s)**2 + (z + 2*h*cos(theta))**2)
-               associate (eta => scene%eta_0 + scene%eta_slope*(length - scene%l_0))
-                  force = force + scene%g*max(0.0_wp, eta)*(z + 2*h*cos(theta))/length
-               end associate
-            end if
-            change = (kappa*contact*(deep - contact*s/2) - force)/slope
+            change = (kappa*contact*(deep - contact*s/2) - weight_on(scene, s, z))/slope
             z = z + change
             if (abs(change) <= 4*epsilon(z)*(abs(z) + b*s)) return
          end do
       end associate
    end function settlement_at_rest
+
+   !> Weight and vertical part of the tendon's force on a turned wall, over m_w [m/s2].
+   pure real(wp) function weight_on(scene, s, z) result(force)
+      type(base_scene_t), intent(in) :: scene
+      real(wp), intent(in) :: s
+      !! |sin(theta)| [-]
+      real(wp), intent(in) :: z
+      !! height of the middle of the base [m]
+      real(wp) :: span(2)
+      !! of the tendon [m]
+
+      force = scene%g
+      if (.not. scene%has_tendon) return
+      span = [2*scene%h*s, z + 2*scene%h*sqrt(1 - s**2)]
+      force = force + scene%g*max(0.0_wp, scene%eta_0 + scene%eta_slope*(norm2(span) &
+         - scene%l_0))*span(2)/norm2(span)
+   end function weight_on
+
+   !> The same on strips that crush, by halving [m].
+   pure real(wp) function settlement_of_strips(scene, s) result(z)
+      type(base_scene_t), intent(in) :: scene
+      real(wp), intent(in) :: s
+      !! |sin(theta)| [-]
+      integer, parameter :: halvings = 100
+      real(wp) :: ends(2)
+      !! places where the base bears too much and too little [m]
+      integer :: i
+
+      ends = [-scene%b*s - scene%d_y, scene%b*s]
+      do i = 1, halvings
+         z = sum(ends)/2
+         associate (deep => min(scene%d_y, max(0.0_wp, scene%place*s - z)))
+            ends(merge(1, 2, scene%kappa*scene%width*sum(deep) > weight_on(scene, s, z))) = z
+         end associate
+      end do
+   end function settlement_of_strips
 
 end module rwmf_model_base_base_scene
