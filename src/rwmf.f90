@@ -18,6 +18,7 @@
 !> `error` is allocated when a call failed. The library neither prints nor stops and keeps no data
 !> between calls; any number of threads may call it with their own variables. An absent component of
 !> `case_t` is an effect that is not simulated. An absent component of `result_t` does not apply.
+!> `result_value` gives every number of a run by its key, as in the summary.
 module rwmf
    ! read a case from namelist text or file into validated components
    use rwmf_problem_case, only: case_t
@@ -32,9 +33,10 @@ module rwmf
    use rwmf_simulation_pushover_curve, only: static_curve_t, mark_t
    use rwmf_simulation_pushover_pushover, only: protocol_t, push_over
    use rwmf_simulation_simulate, only: simulate
-   use rwmf_simulation_state_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
-      event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
-      event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
+   use rwmf_simulation_state_history, only: history_t
+   use rwmf_simulation_state_result, only: event_branch, event_collapsed, event_impact, &
+      event_lift_off, event_name, event_overturned, event_peak, event_rest, event_rupture, &
+      event_t, result_t, result_value
    ! coefficients of the paper's equation of motion
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_system_assembly, only: parameters_of
@@ -72,8 +74,7 @@ module rwmf
 
    public :: case_t, read_case_file, read_case_text, samples_t, samples_from_array
    public :: changes_t, find_changes, change_case, motion_t, motion_from_case, simulate_with_motion
-   public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
-   public :: envelope_extremes_t
+   public :: result_t, result_value, history_t, event_t
    public :: event_name, simulate
    public :: event_impact, event_lift_off, event_overturned, event_peak, event_rest, &
       event_branch, event_rupture, event_collapsed

@@ -1,16 +1,25 @@
 !> Fortran host that prints its results bit by bit: `host KIND CASE.nml`.
 program bits_host
-   use, intrinsic :: iso_fortran_env, only: int64
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use rwmf, only: advance_stepping, case_t, compute_spectrum, create_element, create_stepping, &
       destroy_stepping, element_response_t, error_t, event_name, event_t, uplift_demand_of, &
       next_impact, next_lift_off, query_events, query_forces, query_state, read_case_file, &
-      respond, restore_stepping, result_t, save_stepping, settles, simulate, snapshot_t, &
+      respond, restore_stepping, result_t, result_value, save_stepping, settles, simulate, snapshot_t, &
       spectrum_t, stepping_t, velocity_factor, wall_element_t, wall_forces_t, wall_state_t, wp
    implicit none
    type(case_t) :: case
    type(error_t), allocatable :: error
    character(16) :: kind
    character(256) :: path
+   character(*), parameter :: keys(27) = [character(48) :: 't_u_s_max_s', 'theta_dot_max_rad_s', &
+      'cable_force_increment_max_over_m_w_g', 'cable_prestress_loss_over_m_w_g', 'ductility', &
+      'residual_displacement_m', 'theta_end_over_alpha', 'e', 'e_max', &
+      'base_shear_max_over_weight', 't_base_shear_max_s', 'pivot_normal_min_over_m_w_g', &
+      'friction_demand_max', 't_friction_demand_max_s', 'wall_drift_max', 'frame_drift_max', &
+      'energy_input_J_per_kg', 'energy_kinetic_J_per_kg', 'energy_strain_J_per_kg', &
+      'energy_gravity_J_per_kg', 'energy_cable_J_per_kg', 'energy_effects_J_per_kg', &
+      'energy_viscous_J_per_kg', 'energy_hysteretic_J_per_kg', 'energy_impact_J_per_kg', &
+      'energy_bending_J_per_kg', 'energy_bending_damping_J_per_kg']
 
    call get_command_argument(1, kind)
    call get_command_argument(2, path)
@@ -77,11 +86,6 @@ contains
       call put_error('simulate', error)
       if (allocated(error)) return
       call put_result(result)
-      if (allocated(result%energy)) then
-         do i = 1, size(result%energy%names)
-            call put(trim(result%energy%names(i)), result%energy%values(i))
-         end do
-      end if
       if (allocated(result%history)) then
          print '(*(a, 1x))', (trim(result%history%names(i)), i=1, size(result%history%names))
          do i = 1, size(result%history%values, 1)
@@ -93,21 +97,16 @@ contains
 
    subroutine put_result(result)
       type(result_t), intent(in) :: result
+      real(wp) :: value
+      integer :: i
 
       call put('u_s_max', result%u_s_max)
-      call put('t_u_s_max', result%t_u_s_max)
       call put('theta_max', result%theta_max)
       call put('theta_min', result%theta_min)
-      call put('theta_dot_max', result%theta_dot_max)
-      call put('cable_increment_max', result%cable_increment_max)
-      call put('prestress_loss', result%prestress_loss)
-      call put('ductility', result%ductility)
-      call put('residual_displacement', result%residual_displacement)
-      call put_list('storey_ductility', result%storey_ductility)
-      call put_list('storey_residual_drift', result%storey_residual_drift)
-      call put('theta_end_over_alpha', result%theta_end_over_alpha)
-      call put('e', result%e)
-      call put('e_max', result%e_max)
+      do i = 1, size(keys)
+         value = result_value(result, trim(keys(i)))
+         if (.not. ieee_is_nan(value)) call put(trim(keys(i)), value)
+      end do
       call put('t_end', result%t_end)
       call put_list('final_state', result%final_state)
       call put('estimated_relative_error', result%estimated_relative_error)
@@ -116,15 +115,6 @@ contains
          result%steps, result%rhs_evaluations, result%has_impacts, result%overturned, ' ', &
          result%method
       call put('rtol', result%rtol)
-      if (allocated(result%reactions)) then
-         call put('base_shear_max', result%reactions%base_shear_max)
-         call put('t_base_shear_max', result%reactions%t_base_shear_max)
-         call put('normal_min', result%reactions%normal_min)
-         call put('demand_max', result%reactions%demand_max)
-         call put('t_demand_max', result%reactions%t_demand_max)
-         call put('wall_drift_max', result%reactions%wall_drift_max)
-         call put('frame_drift_max', result%reactions%frame_drift_max)
-      end if
    end subroutine put_result
 
    subroutine put_events(events)

@@ -9,6 +9,8 @@ module rwmf_bindings_python_timed_run
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_group_values, only: has_key
+   use rwmf_problem_quantity_table, only: id
+   use rwmf_problem_quantity_values, only: value_of
    use rwmf_problem_record, only: record_t
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
@@ -160,12 +162,10 @@ contains
       type(timed_run_t), intent(inout) :: measured
 
       associate (values => measured%values)
-         if (allocated(result%u_s_max)) values(at_u_s_max) = result%u_s_max
-         if (allocated(result%t_u_s_max)) values(at_t_u_s_max) = result%t_u_s_max
-         if (allocated(result%theta_max)) then
-            values(at_theta_max) = max(result%theta_max, -result%theta_min)
-            values(at_theta_dot_max) = result%theta_dot_max
-         end if
+         values([at_u_s_max, at_t_u_s_max, at_theta_dot_max]) = value_of(result%values, &
+            [id%u_s_max_m, id%t_u_s_max_s, id%theta_dot_max_rad_s], 1)
+         if (allocated(result%theta_max)) values(at_theta_max) = max(result%theta_max, &
+            -result%theta_min)
          values(at_theta_end) = result%final_state(1)
          values(at_theta_dot_end) = result%final_state(2)
          values(at_t_end) = result%t_end

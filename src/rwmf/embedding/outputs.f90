@@ -6,16 +6,15 @@ module rwmf_embedding_outputs
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: require, stepping_t
    use rwmf_embedding_wall_instance, only: copy_base, wall_instance_t
-   use rwmf_model_history_row, only: numbered
    use rwmf_problem_quantity_table, only: all_quantities, look_up
+   use rwmf_problem_quantity_values, only: value_of, values_t
    use rwmf_simulation_base_base_record, only: base_columns => find_columns
    use rwmf_simulation_base_base_run, only: base_motion_t, result_on_base
    use rwmf_simulation_recorder_recorder, only: create_columns, find_columns, find_rates, &
       observe_present, recorder_t
-   use rwmf_simulation_run, only: fill_result
-   use rwmf_simulation_scalars, only: scalars_of, value_of, values_t
+   use rwmf_simulation_run_values, only: fill_result
    use rwmf_simulation_state_hybrid_state, only: is_at_rest
-   use rwmf_simulation_state_result, only: result_t
+   use rwmf_simulation_state_result, only: result_t, result_values
    use rwmf_text_strings, only: shown
    implicit none
    private
@@ -66,8 +65,7 @@ contains
       !! (outputs) in the units of their keys; counts unchanged, 1 for true, 0 for false
       type(error_t), allocatable, intent(out) :: error
       !! `err_input` for a handle without a wall and a number of no output
-      type(recorder_t) :: columns
-      type(values_t) :: scalars
+      type(values_t) :: columns, scalars
       integer :: i
       logical :: has_columns, has_scalars
 
@@ -78,20 +76,16 @@ contains
          call fail(error, err_input, 'a number of no output: ask for it by its key')
          return
       end if
-      if (allocated(stepping%instance%base)) then
-         call find_on_base(stepping%instance, numbers, values)
-         return
-      end if
       has_columns = .false.
       has_scalars = .false.
       do i = 1, size(numbers)
          associate (place => numbers(i)/per_row, storey => modulo(numbers(i), per_row))
             if (is_column(place)) then
-               if (.not. has_columns) call compute_columns(stepping%instance, columns)
+               if (.not. has_columns) call find_row(stepping%instance, columns)
                has_columns = .true.
-               values(i) = column_of(columns, all_quantities(place)%id, storey)
+               values(i) = value_of(columns, all_quantities(place)%id, storey)
             else
-               if (.not. has_scalars) call compute_scalars(stepping%instance, scalars)
+               if (.not. has_scalars) call find_scalars(stepping%instance, scalars)
                has_scalars = .true.
                values(i) = value_of(scalars, all_quantities(place)%id, storey)
             end if
@@ -99,91 +93,49 @@ contains
       end do
    end subroutine query_outputs
 
-   !> Find outputs of a wall on a base that gives.
-   subroutine find_on_base(instance, numbers, values)
+   !> Find the columns of a history at the current time.
+   subroutine find_row(instance, row)
       type(wall_instance_t), intent(in) :: instance
-      integer, intent(in) :: numbers(:)
-      !! (outputs)
-      real(wp), intent(inout) :: values(:)
-      !! (outputs) NaN; unchanged where an output does not apply
+      type(values_t), intent(out) :: row
+      type(recorder_t) :: recorder
       type(base_motion_t) :: base
-      type(result_t) :: result
-      type(values_t) :: scalars
-      character(32), allocatable :: names(:)
-      real(wp), allocatable :: columns(:)
-      integer :: i, column
 
-      call copy_base(instance, base)
-      call base_columns(instance%case, base%scene, base%regime, base%series, base%t, names, columns)
-      call result_on_base(instance%case, base, result)
-      call scalars_of(instance%case, result, scalars)
-      do i = 1, size(numbers)
-         associate (row => all_quantities(numbers(i)/per_row), storey => modulo(numbers(i), &
-                    per_row))
-            if (index(row%outputs, 'history') == 0) then
-               values(i) = value_of(scalars, row%id, storey)
-            else
-               column = findloc(names == numbered(trim(row%key), storey), .true., dim=1)
-               if (column > 0) values(i) = columns(column)
-            end if
-         end associate
-      end do
-   end subroutine find_on_base
-
-   !> Compute the columns of a history at the current time.
-   subroutine compute_columns(instance, columns)
-      type(wall_instance_t), pointer, intent(in) :: instance
-      type(recorder_t), intent(out) :: columns
-      !! recorder whose row has the values
-
-      columns = instance%recorder
-      if (allocated(columns%weights)) deallocate (columns%weights)
-      if (allocated(columns%newtons)) deallocate (columns%newtons)
+      if (allocated(instance%base)) then
+         call copy_base(instance, base)
+         call base_columns(instance%case, base%scene, base%regime, base%series, base%t, row)
+         return
+      end if
+      recorder = instance%recorder
       associate (hybrid => instance%hybrid)
-         call create_columns(columns, instance%case, instance%equation, hybrid%y)
-         deallocate (columns%row%names)
-         call find_columns(columns, instance%equation, hybrid%t, hybrid%y, is_at_rest(hybrid))
+         call create_columns(recorder, instance%case, instance%equation, hybrid%y)
+         call find_columns(recorder, instance%equation, hybrid%t, hybrid%y, is_at_rest(hybrid))
       end associate
-   end subroutine compute_columns
+      row = recorder%row
+   end subroutine find_row
 
-   !> Value of a column; NaN without such a column.
-   pure real(wp) function column_of(columns, number, storey) result(value)
-      type(recorder_t), intent(in) :: columns
-      integer, intent(in) :: number
-      !! number of the quantity
-      integer, intent(in) :: storey
-      !! number of the storey from the ground up; 0 for a quantity without storeys
-      integer :: first, place
-
-      value = ieee_value(1.0_wp, ieee_quiet_nan)
-      associate (row => columns%row)
-         first = findloc(row%numbers, number, dim=1)
-         if (first == 0) return
-         place = first + max(1, storey) - 1 - row%below(first)
-         if (place < first .or. place > size(row%numbers)) return
-         if (row%numbers(place) == number) value = row%values(place)
-      end associate
-   end function column_of
-
-   !> Compute the scalars of a run that ends at the current time.
-   subroutine compute_scalars(instance, scalars)
-      type(wall_instance_t), pointer, intent(in) :: instance
+   !> Find the scalars of a run that ends at the current time.
+   subroutine find_scalars(instance, scalars)
+      type(wall_instance_t), intent(in) :: instance
       type(values_t), intent(out) :: scalars
       type(recorder_t) :: recorder
+      type(base_motion_t) :: base
       type(result_t) :: result
       real(wp) :: y_dot(size(instance%hybrid%y))
 
-      recorder = instance%recorder
-      recorder%keeps_history = .false.
-      associate (hybrid => instance%hybrid, equation => instance%equation)
-         call find_rates(equation, hybrid%t, hybrid%y, is_at_rest(hybrid), y_dot)
-         call observe_present(recorder, equation, hybrid%t, hybrid%y, y_dot)
-         ! the warnings of the case are not needed
-         allocate (result%warnings(0))
-         call fill_result(instance%case, equation, hybrid, recorder, result)
-      end associate
-      result%steps = instance%steps
-      call scalars_of(instance%case, result, scalars)
-   end subroutine compute_scalars
+      if (allocated(instance%base)) then
+         call copy_base(instance, base)
+         call result_on_base(instance%case, base, result)
+      else
+         recorder = instance%recorder
+         recorder%keeps_history = .false.
+         associate (hybrid => instance%hybrid, equation => instance%equation)
+            call find_rates(equation, hybrid%t, hybrid%y, is_at_rest(hybrid), y_dot)
+            call observe_present(recorder, equation, hybrid%t, hybrid%y, y_dot)
+            call fill_result(instance%case, equation, hybrid, recorder, result)
+         end associate
+         result%steps = instance%steps
+      end if
+      scalars = result_values(result)
+   end subroutine find_scalars
 
 end module rwmf_embedding_outputs

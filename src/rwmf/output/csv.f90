@@ -12,7 +12,8 @@ module rwmf_output_csv
    use rwmf_problem_case, only: case_t
    use rwmf_problem_record, only: record_t, upward_group
    use rwmf_problem_scene_axes, only: axis_t, list_axes
-   use rwmf_simulation_state_result, only: history_t, result_t
+   use rwmf_simulation_state_history, only: history_t
+   use rwmf_simulation_state_result, only: result_t
    use rwmf_spectrum_ordinates, only: spectrum_t
    use rwmf_text_atomic_file, only: atomic_file_t, check_not_folder, check_not_read, discard, &
       finish, join_path, open_atomic, publish, write_line

@@ -1,17 +1,16 @@
 !> Named scalars of one simulation, for `rwmf run --json`, the Python results and
 !> `CASE.summary.csv`. The table of `rwmf_problem_quantity_table` defines keys, kinds and order;
-!> `rwmf_simulation_scalars` computes the numbers.
+!> `result_values` gives the numbers.
 !>
 !> Keys that do not apply to the effects in the scene are absent.
 module rwmf_output_summary
    use rwmf_core_kinds, only: i8, wp
    use rwmf_input_schema, only: all_groups
-   use rwmf_model_history_row, only: numbered
+   use rwmf_problem_quantity_values, only: levels_of, numbered, value_of, values_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_quantity_table, only: all_quantities, id, is_peak, quantity_t, sensitivity_row
-   use rwmf_simulation_scalars, only: floors_of, scalars_of, value_of, values_t
-   use rwmf_simulation_state_result, only: result_t
+   use rwmf_simulation_state_result, only: result_t, result_values
    use rwmf_text_text_buffer, only: append, clear, text_buffer_t
    implicit none
    private
@@ -50,7 +49,7 @@ contains
 
       allocate (items(usual))
       n = 0
-      call scalars_of(case, result, values)
+      values = result_values(result)
       do i = 1, size(all_quantities)
          if (index(all_quantities(i)%outputs, 'run') == 0) cycle
          select case (all_quantities(i)%id)
@@ -87,7 +86,7 @@ contains
       type(values_t), intent(in) :: values
       integer :: i
 
-      associate (floors => floors_of(values, row%id))
+      associate (floors => levels_of(values, row%id))
          do i = 1, size(floors)
             call append_item(items, n, row, floors(i), value_of(values, row%id, floors(i)), '')
          end do

@@ -7,8 +7,8 @@ module rwmf_problem_quantity_table
    implicit none
    private
 
-   public :: quantity_t, id, key_of, all_quantities, look_up, canonical_key, is_of_ordinate, is_peak
-   public :: key_length, own_key, sensitivity_id, sensitivity_row
+   public :: quantity_t, id, key_of, row_of, all_quantities, look_up, canonical_key, is_of_ordinate
+   public :: is_peak, key_length, own_key, sensitivity_id, sensitivity_row
    public :: requested_by, name_of
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
    public :: of_envelopes, of_verification
@@ -708,6 +708,14 @@ module rwmf_problem_quantity_table
       energies, others]
 
 contains
+
+   !> Row of the quantity with a given number.
+   elemental type(quantity_t) function row_of(number) result(row)
+      integer, intent(in) :: number
+      !! one of `id`
+
+      row = all_quantities(findloc(all_quantities%id, number, dim=1))
+   end function row_of
 
    !> Key of the quantity with a given number.
    elemental character(key_length) function key_of(number) result(key)

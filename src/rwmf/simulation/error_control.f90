@@ -14,7 +14,8 @@ module rwmf_simulation_error_control
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_run, only: run_once
-   use rwmf_simulation_state_result, only: add_warning, ending_name, history_t, result_t
+   use rwmf_simulation_state_history, only: history_t
+   use rwmf_simulation_state_result, only: add_warning, ending_name, result_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

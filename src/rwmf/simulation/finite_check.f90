@@ -2,10 +2,8 @@
 module rwmf_simulation_finite_check
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_history_row, only: numbered
-   use rwmf_problem_case, only: case_t
-   use rwmf_problem_quantity_table, only: all_quantities, id
-   use rwmf_simulation_scalars, only: floors_of, scalars_of, value_of, values_t
+   use rwmf_problem_quantity_values, only: numbered
+   use rwmf_problem_quantity_table, only: id, key_of
    use rwmf_simulation_state_result, only: result_t
    implicit none
    private
@@ -47,29 +45,20 @@ contains
    end subroutine check_numbers
 
    !> Fail with `err_numerical` if a reported scalar or the final state is not finite.
-   subroutine check_result(case, result, error)
-      type(case_t), intent(in) :: case
+   subroutine check_result(result, error)
       type(result_t), intent(in) :: result
-      !! of a run of the case
       type(error_t), allocatable, intent(out) :: error
-      type(values_t) :: values
-      integer, allocatable :: floors(:)
-      integer :: i, j
+      integer :: i
 
       if (allocated(result%final_state)) call check_numbers('the state at the end', &
          result%final_state, error)
-      call scalars_of(case, result, values)
-      do i = 1, size(all_quantities)
-         if (allocated(error)) return
-         if (all_quantities(i)%kind /= 'real' .or. all_quantities(i)%found == 'work') cycle
-         floors = floors_of(values, all_quantities(i)%id)
-         do j = 1, size(floors)
-            associate (value => value_of(values, all_quantities(i)%id, floors(j)))
-               if (.not. may_report(all_quantities(i)%id, value)) call check_numbers(trim( &
-                  numbered(trim(all_quantities(i)%key), floors(j))), [value], error)
-            end associate
+      associate (values => result%values)
+         if (all(may_report(values%ids(:values%n), values%numbers(:values%n)))) return
+         do i = 1, values%n
+            if (.not. may_report(values%ids(i), values%numbers(i))) call check_numbers(trim( &
+               numbered(trim(key_of(values%ids(i))), values%levels(i))), values%numbers(i:i), error)
          end do
-      end do
+      end associate
    end subroutine check_result
 
 end module rwmf_simulation_finite_check

@@ -4,12 +4,11 @@
 !> without a frame, the largest rotation.
 module rwmf_simulation_peak
    use rwmf_core_kinds, only: wp
-   use rwmf_model_history_row, only: numbered
+   use rwmf_problem_quantity_values, only: is_present, levels_of, numbered, value_of, values_t
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_quantity_table, only: all_quantities, key_length, look_up, of_demands, &
       of_envelopes, requested_by
-   use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
-   use rwmf_simulation_state_result, only: result_t
+   use rwmf_simulation_state_result, only: result_t, result_values
    implicit none
    private
 
@@ -39,14 +38,11 @@ contains
    pure logical function reports_peak(case, result) result(reports)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
-      type(values_t) :: values
       integer :: place, number
 
       call look_up(trim(case%solver%accuracy_of), place, number)
-      reports = .false.
-      if (place == 0) return
-      call scalars_of(case, result, values)
-      reports = is_present(values, all_quantities(place)%id, number)
+      reports = place > 0
+      if (reports) reports = is_present(result%values, all_quantities(place)%id, number)
    end function reports_peak
 
    !> Peak of a run; 0 if its event does not occur.
@@ -54,15 +50,13 @@ contains
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       !! result of a run of the case
-      type(values_t) :: values
       integer :: place, number
 
       if (case%solver%accuracy_of /= '') then
          call look_up(trim(case%solver%accuracy_of), place, number)
-         call scalars_of(case, result, values)
          peak = 0
-         if (is_present(values, all_quantities(place)%id, number)) peak = value_of(values, &
-            all_quantities(place)%id, number)
+         if (is_present(result%values, all_quantities(place)%id, number)) peak = &
+            value_of(result%values, all_quantities(place)%id, number)
       else if (allocated(result%u_s_max)) then
          peak = result%u_s_max
       else
@@ -71,31 +65,22 @@ contains
    end function peak_of
 
    !> List the wanted keys that a result reports.
-   pure subroutine list_reported(case, result, is_wanted, keys)
-      type(case_t), intent(in) :: case
+   pure subroutine list_reported(result, is_wanted, keys)
       type(result_t), intent(in) :: result
-      !! result of a run of the case
       logical, intent(in) :: is_wanted(:)
       !! (quantities of the table) true for wanted quantities
       character(key_length), allocatable, intent(out) :: keys(:)
       !! (keys) with the number of a floor or storey in place of '{i}'
-      character(key_length), allocatable :: more(:)
       type(values_t) :: values
-      integer, allocatable :: floors(:)
-      integer :: i, j, n
+      integer :: i
 
+      values = result_values(result)
       allocate (keys(0))
-      call scalars_of(case, result, values)
       do i = 1, size(all_quantities)
          if (.not. is_wanted(i)) cycle
-         floors = floors_of(values, all_quantities(i)%id)
-         n = size(keys)
-         allocate (more(n + size(floors)))
-         more(:n) = keys
-         do j = 1, size(floors)
-            more(n + j) = numbered(trim(all_quantities(i)%key), floors(j))
-         end do
-         call move_alloc(more, keys)
+         associate (levels => levels_of(values, all_quantities(i)%id))
+            if (size(levels) > 0) keys = [keys, numbered(trim(all_quantities(i)%key), levels)]
+         end associate
       end do
    end subroutine list_reported
 

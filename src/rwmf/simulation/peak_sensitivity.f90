@@ -7,13 +7,12 @@ module rwmf_simulation_peak_sensitivity
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: err_interrupt, error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_history_row, only: numbered
+   use rwmf_problem_quantity_values, only: is_present, numbered, put, value_of, values_t
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
    use rwmf_problem_case, only: case_t, structure_t
-   use rwmf_problem_quantity_table, only: all_quantities, is_peak, key_length, key_of
+   use rwmf_problem_quantity_table, only: is_peak, key_length, key_of, row_of
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_run, only: run_once
-   use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
    use rwmf_simulation_state_result, only: add_warning, ending_name, result_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
@@ -154,7 +153,7 @@ contains
             peak_of(case, result), peak_of(case, stronger), step, 0.0_wp)
       end if
       if (.not. (is_conditioned(case, .true.) .and. has_motion(case))) return
-      call compare(case, step, result, stronger)
+      call compare(step, result, stronger)
       call warn_of_sensitivity(result)
    end subroutine measure_sensitivities
 
@@ -200,36 +199,26 @@ contains
    end subroutine run_probe
 
    !> Compare the peaks of a run with those of its probe.
-   subroutine compare(case, step, result, stronger)
-      type(case_t), intent(in) :: case
+   subroutine compare(step, result, stronger)
       real(wp), intent(in) :: step
       !! relative change of the motion [-]
       type(result_t), intent(inout) :: result
       type(result_t), intent(in) :: stronger
-      type(values_t) :: here, there
-      integer, allocatable :: rows(:), floors(:)
-      real(wp), allocatable :: round_off(:)
-      logical :: are_alike
+      real(wp) :: round_off(result%values%n), found
       integer :: i
 
-      are_alike = ending_name(result) == ending_name(stronger)
-      call scalars_of(case, result, here)
-      call scalars_of(case, stronger, there)
-      rows = pack([(i, i=1, size(all_quantities))], here%count(all_quantities%id) > 0)
-      rows = pack(rows, is_peak(all_quantities(rows)))
-      round_off = round_off_of(here, all_quantities(rows)%id)
-      allocate (result%sensitivities(size(rows)))
-      do i = 1, size(rows)
-         associate (found => result%sensitivities(i), number => all_quantities(rows(i))%id)
-            floors = floors_of(here, number)
-            found%number = number
-            found%below = here%count(number) - size(floors)
-            allocate (found%values(size(floors)), source=1/step)
-            if (are_alike) where (is_present(there, number, floors)) found%values = &
-               sensitivity_of(value_of(here, number, floors), value_of(there, number, floors), &
-               step, round_off(i))
-         end associate
-      end do
+      allocate (result%sensitivities)
+      associate (here => result%values, there => stronger%values)
+         round_off = round_off_of(here, here%ids(:here%n))
+         do i = 1, here%n
+            if (.not. is_peak(row_of(here%ids(i)))) cycle
+            found = 1/step
+            if (ending_name(result) == ending_name(stronger) .and. is_present(there, here%ids(i), &
+               here%levels(i))) found = sensitivity_of(here%numbers(i), value_of(there, &
+               here%ids(i), here%levels(i)), step, round_off(i))
+            call put(result%sensitivities, here%ids(i), [found], here%levels(i) - 1)
+         end do
+      end associate
    end subroutine compare
 
    !> Changes that round-off can cause in peaks, in their units.
@@ -243,23 +232,18 @@ contains
       real(wp) :: round_off(size(numbers))
       !! (peaks)
       character(key_length) :: endings(size(numbers)), ending
-      real(wp) :: largest
       integer :: i
 
       do i = 1, size(numbers)
          endings(i) = ending_of(key_of(numbers(i)))
       end do
       round_off = 0
-      do i = 1, size(all_quantities)
-         associate (row => all_quantities(i))
-            if (values%count(row%id) == 0 .or. .not. is_peak(row)) cycle
-            ending = ending_of(row%key)
-            if (.not. any(endings == ending)) cycle
-            associate (sizes => abs(value_of(values, row%id, floors_of(values, row%id))))
-               largest = maxval(sizes, sizes <= huge(largest))
-            end associate
-            where (endings == ending) round_off = max(round_off, 100*epsilon(largest)*largest)
-         end associate
+      do i = 1, values%n
+         if (.not. abs(values%numbers(i)) <= huge(round_off)) cycle
+         if (.not. is_peak(row_of(values%ids(i)))) cycle
+         ending = ending_of(key_of(values%ids(i)))
+         where (endings == ending) round_off = max(round_off, 100*epsilon(round_off) &
+            *abs(values%numbers(i)))
       end do
    end function round_off_of
 
@@ -277,27 +261,19 @@ contains
    subroutine warn_of_sensitivity(result)
       type(result_t), intent(inout) :: result
       !! result with sensitivities
-      character(:), allocatable :: worst
-      real(wp) :: largest
-      integer :: i, n, place
+      character(key_length) :: worst
+      integer :: n, place, largest
 
-      largest = 0
-      n = 0
-      do i = 1, size(result%sensitivities)
-         associate (found => result%sensitivities(i))
-            n = n + count(found%values >= limit)
-            if (size(found%values) == 0) cycle
-            if (.not. maxval(found%values) > largest) cycle
-            largest = maxval(found%values)
-            place = findloc(all_quantities%id, found%number, dim=1)
-            worst = trim(numbered(trim(all_quantities(place)%key), found%below &
-               + maxloc(found%values, dim=1)))
-         end associate
-      end do
-      if (n == 0) return
+      associate (found => result%sensitivities)
+         n = count(found%numbers(:found%n) >= limit)
+         if (n == 0) return
+         place = maxloc(found%numbers(:found%n), dim=1)
+         worst = numbered(key_of(found%ids(place)), found%levels(place))
+         largest = nint(found%numbers(place))
+      end associate
       call add_warning(result, 'sensitive: a motion that is 1 % stronger or weaker may change ' &
-         //trim(integer_to_text(n))//' peaks by their own size, most of all '//worst &
-         //' (sensitivity '//trim(integer_to_text(nint(largest))) &
+         //trim(integer_to_text(n))//' peaks by their own size, most of all ' &
+         //trim(worst)//' (sensitivity '//trim(integer_to_text(largest)) &
          //'); compare many similar motions')
    end subroutine warn_of_sensitivity
 

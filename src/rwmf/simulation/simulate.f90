@@ -102,7 +102,7 @@ contains
       call run_once(instant, motion, no_control, result, error)
       if (allocated(error)) return
       if (reports_peak(instant, result)) return
-      call list_reported(instant, result, is_peak(all_quantities), keys)
+      call list_reported(result, is_peak(all_quantities), keys)
       problem = trim(case%solver%accuracy_of)//' does not apply to this scene'
       call list_quantities(keys, problem)
       if (has_key(case%values, 'solver', 'accuracy_of')) then

@@ -6,6 +6,8 @@ module rwmf_simulation_warnings
    use rwmf_motion_ground_motion, only: lowest_vertical, motion_t
    use rwmf_problem_case, only: case_t, has_floors, has_numbers, numbers_of
    use rwmf_problem_group_values, only: group_values_t, has_key, real_of
+   use rwmf_problem_quantity_table, only: id
+   use rwmf_problem_quantity_values, only: value_of
    use rwmf_problem_record, only: record_source_t, record_t
    use rwmf_problem_usual_ranges, only: list_unusual, unusual_record, unusual_text
    use rwmf_simulation_state_result, only: add_warning, result_t
@@ -22,20 +24,23 @@ contains
    subroutine warn_of_reactions(result)
       type(result_t), intent(inout) :: result
 
-      associate (reactions => result%reactions)
-         if (.not. allocated(reactions%pivot_lifts)) return
-         if (reactions%pivot_lifts) then
-            call add_warning(result, 'the pivot reaction falls to N/(m_w g) = ' &
-               //trim(real_to_text(reactions%normal_min))//' at t = ' &
-               //trim(real_to_text(reactions%t_normal_min)) &
-               //' s: the wall would leave the ground, which the model does not follow')
-         end if
-         if (allocated(reactions%t_exceeded)) then
-            call add_warning(result, 'the friction demand |H|/N, or that of an impact, exceeds ' &
-               //'the friction_limit from t = '//trim(real_to_text(reactions%t_exceeded)) &
-               //' s: the wall would slide, which the model does not follow')
-         end if
-      end associate
+      if (value_of(result%values, id%pivot_lifts, 1) > 0) call add_warning(result, &
+         'the pivot reaction falls to N/(m_w g) = '//trim(value_text( &
+         id%pivot_normal_min_over_m_w_g)) &
+         //' at t = '//trim(value_text(id%t_pivot_normal_min_s)) &
+         //' s: the wall would leave the ground, which the model does not follow')
+      if (value_of(result%values, id%friction_exceeded, 1) > 0) call add_warning(result, &
+         'the friction demand |H|/N, or that of an impact, exceeds the friction_limit from t = ' &
+         //trim(value_text(id%t_friction_exceeded_s)) &
+         //' s: the wall would slide, which the model does not follow')
+
+   contains
+
+      pure character(25) function value_text(number)
+         integer, intent(in) :: number
+
+         value_text = real_to_text(value_of(result%values, number, 1))
+      end function value_text
    end subroutine warn_of_reactions
 
    !> Warn of a toe stress beyond the linear range of the concrete.
@@ -45,9 +50,9 @@ contains
       real(wp), parameter :: linear = 0.6_wp
       !! end of the linear range, over the strength [-]
 
-      if (.not. (has_numbers(case, 'base_section') .and. allocated(result%envelopes))) return
+      if (.not. has_numbers(case, 'base_section')) return
       associate (numbers => numbers_of(case, 'base_section'), &
-                 stress => result%envelopes%toe_stress_max)
+                 stress => value_of(result%values, id%toe_stress_max_Pa, 1))
          if (.not. stress > linear*numbers(3)) return
          if (stress < numbers(3)) then
             call add_warning(result, 'the toe stress reaches '//trim(real_to_text(stress)) &
@@ -63,7 +68,7 @@ contains
    subroutine warn_of_grazing(result)
       type(result_t), intent(inout) :: result
 
-      if (.not. allocated(result%t_grazing)) return
+      if (result%t_grazing < 0) return
       call add_warning(result, 'at t = '//trim(real_to_text(result%t_grazing)) &
          //' s the wall turns back on its base or hardly above it: what follows may depend ' &
          //'on the tolerance; &solver verify = .true. shows how much')
@@ -73,7 +78,7 @@ contains
    subroutine warn_of_chatter(result)
       type(result_t), intent(inout) :: result
 
-      if (.not. allocated(result%t_chatter)) return
+      if (result%t_chatter < 0) return
       call add_warning(result, 'from t = '//trim(real_to_text(result%t_chatter)) &
          //' s on, bounces below the resolution of rtol are averaged or, beside moving floors, ' &
          //'left out (e near 1): the instants of later lift-offs are not those of single bounces')

@@ -26,7 +26,8 @@ module rwmf_spectrum_lane_rows
    use rwmf_simulation_lanes_loop, only: step_batch
    use rwmf_simulation_peak, only: peak_of
    use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
-   use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
+   use rwmf_simulation_run_values, only: fill_result
+   use rwmf_simulation_run, only: begin_run, guess_size, is_much_smaller, &
       most_passes, response_size
    use rwmf_simulation_series_series_batch, only: create_series_batch, is_served, series_batch_t
    use rwmf_simulation_series_series_events, only: step_series
@@ -497,11 +498,9 @@ contains
       type(result_t) :: result
       logical :: are_finite
 
-      ! a spectrum reports no warnings of single ordinates
-      allocate (result%warnings(0))
       call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
       if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(request%place)))
-      call take_values(request, run%case, result, ordinate%values, are_finite, ordinate%round_off)
+      call take_values(request, result, ordinate%values, are_finite, ordinate%round_off)
       if (.not. are_finite) ordinate%failure = not_finite
       if (request%has_peak) ordinate%peak = peak_of(run%case, result)
    end subroutine report

@@ -377,7 +377,7 @@ contains
          return
       end if
       ! the run has already been checked for finite numbers
-      call take_values(queue%request, row, result, values, are_finite)
+      call take_values(queue%request, result, values, are_finite)
       if (.not. allocated(result%sensitivities)) where (queue%request%is_sensitivity) values = &
          ieee_value(1.0_wp, ieee_quiet_nan)
       status = ending_name(result)

@@ -1,6 +1,6 @@
 !> Quantities that each ordinate of a spectrum reports (`&spectrum quantities`).
 !>
-!> Their keys are in the table of quantities, their values come from `rwmf_simulation_scalars`.
+!> Their keys are in the table of quantities, their values come from `result_values`.
 module rwmf_spectrum_quantities
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -11,14 +11,14 @@ module rwmf_spectrum_quantities
    use rwmf_problem_quantity_table, only: all_quantities, id, is_of_ordinate, is_peak, key_length, &
       look_up, of_demands, of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, &
       of_velocity, of_verification, own_key, sensitivity_id
+   use rwmf_problem_quantity_values, only: is_present, levels_of, put, value_of, values_t
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_peak_sensitivity, only: is_conditioned, round_off_of
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
    use rwmf_simulation_quantity_words, only: list_quantities
-   use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant
-   use rwmf_simulation_state_result, only: result_t, value_t
+   use rwmf_simulation_state_result, only: result_t, result_values
    implicit none
    private
 
@@ -233,23 +233,30 @@ contains
       end if
       call simulate_instant(asking, motion, instant, result, error)
       if (allocated(error)) return
-      if (allocated(result%collapsed)) result%t_collapse = 0
-      if (allocated(result%storey_residual_drift)) result%storey_at_rest = &
-         result%storey_residual_drift
-      if (allocated(result%further)) result%further = [result%further, &
-         value_t(id%t_flight_first_s, 0.0_wp)]
-      if (allocated(result%demands)) then
-         if (allocated(result%demands%roof_drift_max) .and. (has_strength(case) .or. &
-            allocated(case%fuse))) result%demands%roof_at_rest = 0
-      end if
+      call promise(id%t_collapse_s, id%collapsed)
+      call promise(id%storey_i_residual_drift_at_rest, id%storey_i_residual_drift)
+      call promise(id%t_flight_first_s, id%flights)
+      if (has_strength(case) .or. allocated(case%fuse)) call promise( &
+         id%roof_residual_drift_at_rest, id%roof_drift_max)
+      call promise(id%t_friction_demand_max_s, id%friction_demand_max)
+      call promise(id%t_friction_exceeded_s, id%friction_exceeded)
       if (allocated(asking%solver%accuracy) .or. asking%solver%verify) then
          result%estimated_relative_error = 0
       end if
-      if (allocated(result%reactions)) then
-         if (allocated(result%reactions%demand_max)) result%reactions%t_demand_max = 0
-         if (allocated(result%reactions%is_exceeded)) result%reactions%t_exceeded = 0
-      end if
-      call list_reported(instant, result, is_of_ordinate(all_quantities), keys)
+      call list_reported(result, is_of_ordinate(all_quantities), keys)
+
+   contains
+
+      !> Add a quantity that later events of a scene with another quantity can give.
+      subroutine promise(number, companion)
+         integer, intent(in) :: number, companion
+
+         associate (values => result%values, levels => levels_of(result%values, companion))
+            if (.not. any(is_present(values, number, levels))) call put(values, number, 0.0_wp &
+               *levels)
+         end associate
+      end subroutine promise
+
    end subroutine list_applicable
 
    !> Fill in the values of the requested quantities.
@@ -257,9 +264,8 @@ contains
    !> A result without sensitivities gives the peaks in their place.
    !> Counts and flags (1 or 0) are stored as reals. A quantity without a value, such as the time of
    !> an event that did not occur, is NaN.
-   pure subroutine take_values(request, case, result, values, are_finite, round_off)
+   pure subroutine take_values(request, result, values, are_finite, round_off)
       type(request_t), intent(in) :: request
-      type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       real(wp), intent(inout) :: values(:)
       !! (quantities, then others that stay unchanged) [unit of each]
@@ -268,18 +274,17 @@ contains
       real(wp), allocatable, intent(inout), optional :: round_off(:)
       !! (quantities) changes that round-off can cause [unit of each]; only with sensitivities
       type(values_t) :: found
-      integer, allocatable :: numbers(:)
+      integer :: numbers(size(request%place))
       !! (quantities) index in the table
 
-      call scalars_of(case, result, found)
+      found = result_values(result)
       numbers = all_quantities(request%place)%id
       if (allocated(result%sensitivities)) numbers = merge(sensitivity_id(numbers), numbers, &
          request%is_sensitivity)
       associate (requested_values => values(:size(numbers)))
          requested_values = value_of(found, numbers, request%storey)
          are_finite = all(may_report(numbers, requested_values) .or. .not. is_present(found, &
-            numbers, &
-            request%storey))
+            numbers, request%storey))
       end associate
       if (.not. (present(round_off) .and. any(request%is_sensitivity))) return
       round_off = round_off_of(found, numbers)

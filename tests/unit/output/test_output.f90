@@ -6,6 +6,8 @@ program test_output
    use rwmf_core_kinds, only: i8, wp
    use rwmf_output_csv, only: case_name, write_result
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: id
+   use rwmf_problem_quantity_values, only: put
    use rwmf_simulation_state_result, only: result_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
@@ -100,10 +102,8 @@ contains
       type(result_t), intent(out) :: result
 
       result%u_s_max = 1.0_wp/3.0_wp
-      result%has_impacts = .true.
-      result%impacts = 3
-      result%lift_offs = 1
-      result%overturned = .false.
+      call put(result%values, id%u_s_max_m, result%u_s_max)
+      call put(result%values, id%impacts, 3_i8)
       result%steps = 10
       result%rhs_evaluations = 20
       result%method = 'adams'

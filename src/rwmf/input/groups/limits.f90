@@ -5,7 +5,7 @@
 module rwmf_input_groups_limits
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_history_row, only: numbered
+   use rwmf_problem_quantity_values, only: numbered
    use rwmf_model_system_demands, only: floor_count, lowest_link
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t

@@ -7,7 +7,7 @@ module rwmf_model_floors_floor_forces
    use rwmf_model_equation, only: equation_t, floors_t, frame_displacement, frame_mass, &
       frame_motion, ground, straight_displacement
    use rwmf_model_floor_motion, only: floor_accelerations, floor_motion, storey_motion
-   use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_hysteresis_spring_laws, only: spring_energy
    use rwmf_model_spring, only: branch_t
    use rwmf_problem_quantity_table, only: id
@@ -167,7 +167,7 @@ contains
    !> Write the history columns of the floors' displacements relative to the ground [m] and the
    !> interstorey drift ratios [-].
    subroutine put_floors(row, equation, y)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       !! equation with all modes of the frame
       real(wp), intent(in) :: y(:)

@@ -9,7 +9,7 @@ module rwmf_model_floors_yielding_storeys
    use rwmf_model_equation, only: discrete_state_t, equation_t, frame_mass, model_t, &
       renew_coefficients
    use rwmf_model_floor_motion, only: follows_roof, storey_motion
-   use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement
    use rwmf_model_hysteresis_spring_laws, only: branch_word, load_spring, loading_direction, &
@@ -261,7 +261,7 @@ contains
    !> Write the history columns of storey shears without dampers, over the weight of the case's
    !> reference mass [-]. A frame that follows the roof has one, over its weight.
    subroutine put_shears(row, equation, y)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)

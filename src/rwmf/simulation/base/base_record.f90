@@ -4,19 +4,19 @@
 !> Every output is a column: a series of the step. A row of the history evaluates it; an extreme is
 !> searched where the terms of the series allow a new record.
 module rwmf_simulation_base_base_record
-   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_polynomial_roots, only: find_largest
    use rwmf_math_power_series, only: product_term, series_value
    use rwmf_model_base_base_regime, only: base_regime_t
    use rwmf_model_base_base_scene, only: base_scene_t
    use rwmf_model_base_base_series, only: base_series_t, is_crushing, is_pressed
-   use rwmf_model_history_row, only: numbered
    use rwmf_model_series_series_motion, only: highest_order
    use rwmf_problem_case, only: case_t, seeks
-   use rwmf_problem_quantity_table, only: all_quantities, id, key_length, key_of
-   use rwmf_simulation_state_newtons, only: weight_under
-   use rwmf_simulation_state_result, only: energy_t, history_t
+   use rwmf_problem_quantity_table, only: id
+   use rwmf_problem_quantity_values, only: clear, put, values_t
+   use rwmf_simulation_state_history, only: create_history, history_t
+   use rwmf_simulation_state_result, only: energy_t
    implicit none
    private
 
@@ -44,14 +44,6 @@ module rwmf_simulation_base_base_record
    integer, parameter :: first_floor = 20
    !! drifts [-] of all storeys, then accelerations of all floors over g [-]
 
-   !> Column of the history.
-   type :: history_column_t
-      integer :: number = 0
-      !! of the series; 0 for the time
-      real(wp) :: factor = 1
-      !! unit of the series in the unit of the column
-   end type history_column_t
-
    !> Columns with their extremes so far, energies and history.
    type :: base_record_t
       real(wp), allocatable :: series(:, :)
@@ -71,8 +63,12 @@ module rwmf_simulation_base_base_record
       real(wp) :: friction = 0
       !! dissipated by slip [J/kg]
       type(history_t), allocatable :: history
-      type(history_column_t), allocatable :: columns(:)
-      !! of the history
+      type(values_t) :: row
+      !! columns of the history at one instant
+      logical :: has_vertical = .false.
+      !! that of the vertical motion is among them
+      real(wp) :: m_w_g = 0
+      !! weight of the wall, 0 if the case gives no mass [N]
       integer :: rows = 0
       !! of the history, written so far
       real(wp) :: dt = 0
@@ -139,88 +135,71 @@ contains
             + stored%base, 0, 0, 0, 0, 0)
          if (.not. allocated(output%dt)) return
          record%dt = output%dt
-         call create_history(case, scene, record, error)
+         call create_columns(case, scene, record)
+         allocate (record%history)
+         call create_history(record%history, record%row, case%solver%t_end, record%dt, error)
       end associate
    end subroutine create_record
 
-   !> Allocate the rows of the history.
-   subroutine create_history(case, scene, record, error)
+   !> Set up the columns of the history.
+   pure subroutine create_columns(case, scene, record)
       type(case_t), intent(in) :: case
       type(base_scene_t), intent(in) :: scene
       type(base_record_t), intent(inout) :: record
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: rows
-      integer :: status
 
-      allocate (record%history)
-      call name_columns(case, scene, record)
-      rows = aint(case%solver%t_end/record%dt*(1 + 8*epsilon(1.0_wp))) + 1
-      status = 1
-      if (rows < real(huge(1), wp)) allocate (record%history%values(int(rows), &
-         size(record%columns)), stat=status)
-      if (status /= 0) call fail(error, err_numerical, 'out of memory for the history: &output ' &
-         //'dt gives more rows than fit; raise dt or lower t_end', 'out_of_memory')
-   end subroutine create_history
+      record%has_vertical = allocated(case%upward)
+      record%m_w_g = case%unit_mass*scene%g
+      call put_columns(scene, record, 0.0_wp, 0.0_wp, 0)
+   end subroutine create_columns
 
-   !> Name the columns of the history.
-   subroutine name_columns(case, scene, record)
-      type(case_t), intent(in) :: case
+   !> Put the columns of the history at one instant into the row.
+   pure subroutine put_columns(scene, record, t, x, order)
       type(base_scene_t), intent(in) :: scene
       type(base_record_t), intent(inout) :: record
-      !! with an allocated history
-      character(key_length), allocatable :: names(:)
-      integer :: i, n
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: x
+      !! time since the start of the step [s]
+      integer, intent(in) :: order
+      !! of the series
+      integer :: i
 
-      allocate (names(40 + 2*scene%frame%n), record%columns(40 + 2*scene%frame%n))
-      n = 0
-      call add(id%t_s, 0)
-      call add(id%theta_rad, of_theta)
-      call add(id%theta_dot_rad_s, of_rate)
-      call add(id%theta_ddot_rad_s2, of_turn)
-      if (scene%frame%n > 0) call add(id%u_s_m, of_u)
-      if (scene%frame%n > 0) call add(id%u_s_dot_m_s, of_u_rate)
-      call add(id%u_g_ddot_m_s2, of_ground)
-      if (allocated(case%upward)) call add(id%v_g_ddot_m_s2, of_upward)
-      if (scene%has_tendon) call add(id%cable_force_over_m_w_g, of_tendon)
-      call add(id%base_height_m, of_middle)
-      if (scene%slides) call add(id%base_slip_m, of_slip)
-      call add(id%base_normal_over_m_w_g, of_normal)
-      call add(id%base_shear_over_m_w_g, of_shear)
-      if (allocated(scene%frame%height)) then
-         do i = 1, scene%frame%n
-            call add(id%storey_i_drift, first_floor + i - 1, i)
-         end do
-      end if
-      do i = 1, scene%frame%n
-         call add(id%floor_i_acceleration_g, first_floor + scene%frame%n + i - 1, i)
-      end do
-      call add(id%contact_length_m, of_contact)
-      record%columns = record%columns(:n)
-      record%history%names = names(:n)(:len(record%history%names))
+      associate (row => record%row, n => scene%frame%n)
+         call clear(row)
+         call put(row, id%t_s, t)
+         call put(row, id%theta_rad, at(of_theta))
+         call put(row, id%theta_dot_rad_s, at(of_rate))
+         call put(row, id%theta_ddot_rad_s2, at(of_turn))
+         if (n > 0) call put(row, id%u_s_m, at(of_u))
+         if (n > 0) call put(row, id%u_s_dot_m_s, at(of_u_rate))
+         call put(row, id%u_g_ddot_m_s2, at(of_ground))
+         if (record%has_vertical) call put(row, id%v_g_ddot_m_s2, at(of_upward))
+         if (scene%has_tendon) call put(row, id%cable_force_over_m_w_g, at(of_tendon))
+         if (scene%has_tendon .and. record%m_w_g > 0) call put(row, id%cable_force_N, &
+            at(of_tendon)*record%m_w_g)
+         call put(row, id%base_height_m, at(of_middle))
+         if (scene%slides) call put(row, id%base_slip_m, at(of_slip))
+         call put(row, id%base_normal_over_m_w_g, at(of_normal))
+         if (record%m_w_g > 0) call put(row, id%base_normal_N, at(of_normal)*record%m_w_g)
+         call put(row, id%base_shear_over_m_w_g, at(of_shear))
+         if (allocated(scene%frame%height)) call put(row, id%storey_i_drift, &
+            [(at(first_floor + i - 1), i=1, n)])
+         call put(row, id%floor_i_acceleration_g, [(at(first_floor + n + i - 1), i=1, n)])
+         call put(row, id%contact_length_m, at(of_contact))
+      end associate
 
    contains
 
-      !> Add a column, and that of the force in N if the case has a mass.
-      subroutine add(quantity, column, floor)
-         integer, intent(in) :: quantity
+      !> Column at the instant.
+      pure real(wp) function at(column)
          integer, intent(in) :: column
-         integer, intent(in), optional :: floor
-         integer :: row
 
-         n = n + 1
-         names(n) = key_of(quantity)
-         if (present(floor)) names(n) = numbered(trim(key_of(quantity)), floor)
-         record%columns(n) = history_column_t(column)
-         row = findloc(all_quantities%ratio, quantity, dim=1)
-         if (row == 0 .or. .not. case%unit_mass > 0) return
-         n = n + 1
-         names(n) = all_quantities(row)%key
-         record%columns(n) = history_column_t(column, weight_under(case, quantity))
-      end subroutine add
-   end subroutine name_columns
+         at = series_value(record%series(:order, column), x)
+      end function at
+   end subroutine put_columns
 
    !> Find the columns of a history at one instant.
-   subroutine find_columns(case, scene, regime, series, t, names, values)
+   subroutine find_columns(case, scene, regime, series, t, row)
       type(case_t), intent(in) :: case
       type(base_scene_t), intent(in) :: scene
       type(base_regime_t), intent(in) :: regime
@@ -228,24 +207,15 @@ contains
       !! of the instant
       real(wp), intent(in) :: t
       !! [s]
-      character(32), allocatable, intent(out) :: names(:)
-      !! (columns)
-      real(wp), allocatable, intent(out) :: values(:)
-      !! (columns) in the units of the names
+      type(values_t), intent(out) :: row
       type(base_record_t) :: record
-      integer :: i
 
       allocate (record%series(0:highest_order, first_floor - 1 + 2*scene%frame%n), source=0.0_wp)
-      allocate (record%is_sought(0), record%history)
-      call name_columns(case, scene, record)
+      allocate (record%is_sought(0))
+      call create_columns(case, scene, record)
       call fill_columns(scene, regime, series, record)
-      names = record%history%names
-      values = [(t, i=1, size(names))]
-      do i = 1, size(names)
-         associate (column => record%columns(i))
-            if (column%number > 0) values(i) = column%factor*record%series(0, column%number)
-         end associate
-      end do
+      call put_columns(scene, record, t, 0.0_wp, 0)
+      row = record%row
    end subroutine find_columns
 
    !> Record a step.
@@ -268,7 +238,7 @@ contains
       if (scene%strips > 0 .and. record%is_sought(of_stress)) call observe_strips(scene, regime, &
          h, series, record%stress)
       if (record%keeps_energy) call add_work(scene, regime, h, series, record)
-      if (allocated(record%history)) call write_rows(t, h, series%order, record)
+      if (allocated(record%history)) call write_rows(scene, t, h, series%order, record)
    end subroutine observe_step
 
    !> Update smallest and largest value of a column.
@@ -452,7 +422,8 @@ contains
    end subroutine add_work
 
    !> Write the rows of the history within a step.
-   pure subroutine write_rows(t, h, order, record)
+   pure subroutine write_rows(scene, t, h, order, record)
+      type(base_scene_t), intent(in) :: scene
       real(wp), intent(in) :: t
       !! start of the step [s]
       real(wp), intent(in) :: h
@@ -460,23 +431,14 @@ contains
       integer, intent(in) :: order
       type(base_record_t), intent(inout) :: record
       real(wp) :: time
-      integer :: i
 
       do while (record%rows < size(record%history%values, 1))
          time = record%rows*record%dt
          ! the next step writes the row at its start
          if (time > t .and. time >= t + h) return
          record%rows = record%rows + 1
-         do i = 1, size(record%columns)
-            associate (column => record%columns(i))
-               if (column%number == 0) then
-                  record%history%values(record%rows, i) = time
-               else
-                  record%history%values(record%rows, i) = column%factor &
-                     *series_value(record%series(:order, column%number), max(0.0_wp, time - t))
-               end if
-            end associate
-         end do
+         call put_columns(scene, record, time, max(0.0_wp, time - t), order)
+         record%history%values(record%rows, :) = record%row%numbers(:record%row%n)
       end do
    end subroutine write_rows
 

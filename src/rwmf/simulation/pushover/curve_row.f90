@@ -8,7 +8,7 @@ module rwmf_simulation_pushover_curve_row
    use rwmf_model_floors_yielding_storeys, only: put_shears
    use rwmf_model_equation, only: cable_force_at, frame_displacement, has_elements
    use rwmf_model_floor_motion, only: follows_roof
-   use rwmf_model_history_row, only: create_row, history_row_t, put
+   use rwmf_problem_quantity_values, only: keys_of, put, values_t
    use rwmf_model_system_reactions, only: has_section_forces, link_tilt, plastic_part, &
       reactions_at, reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, find_section_extremes, &
@@ -35,25 +35,18 @@ contains
       real(wp), intent(in) :: work
       !! work of the load since the beginning [J/kg]
       type(static_curve_t), intent(inout) :: curve
-      type(history_row_t) :: row
+      type(values_t) :: row
       real(wp) :: u(size(scene%pattern)), own(5)
-      integer :: i
 
       u = loaded_displacements(scene, scene%y)
       own = [u(size(u))/curve%height, u(size(u)), mechanical_energy(scene%equation, scene%y), &
          work, scene%released]
-      if (.not. allocated(curve%names)) then
-         call create_row(row)
-      else
-         allocate (row%values(size(curve%names) - size(own)))
-         row%n = 0
-      end if
       call put_loads(scene, curve, row)
       call put_structure(scene, row)
       if (scene%equation%has_wall) call put_wall(scene, row)
       if (.not. allocated(curve%names)) curve%names = [own_names, &
-         [(instant_key(row, i), i=1, size(row%names))]]
-      call add_row(curve, [own, row%values])
+         instant_key(keys_of(row))]
+      call add_row(curve, [own, row%numbers(:row%n)])
    end subroutine record_row
 
    !> Write base shear and overturning moment of the load, displacements of the floors, and the
@@ -61,7 +54,7 @@ contains
    subroutine put_loads(scene, curve, row)
       type(static_scene_t), intent(in) :: scene
       type(static_curve_t), intent(in) :: curve
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       real(wp) :: u(size(scene%pattern)), arm
 
       u = loaded_displacements(scene, scene%y)
@@ -99,7 +92,7 @@ contains
    !> Write forces of the cable, the fuses and the frame, drifts and shears of the storeys.
    subroutine put_structure(scene, row)
       type(static_scene_t), intent(inout) :: scene
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(demands_t) :: demands
 
       associate (equation => scene%equation, y => scene%y, p => scene%equation%p)
@@ -124,7 +117,7 @@ contains
    !> Write rotation, forces of the links, forces at the base and inside the wall.
    subroutine put_wall(scene, row)
       type(static_scene_t), intent(inout) :: scene
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(links_t) :: links
       type(reactions_t) :: reactions
       type(section_extremes_t) :: extremes

@@ -6,12 +6,12 @@ module rwmf_simulation_pushover_demand_columns
    use rwmf_core_kinds, only: wp
    use rwmf_model_elements, only: of_cable, of_fuse, tendon_strain
    use rwmf_model_equation, only: cable_force_at, frame_displacement, has_elements, tip_displacement
-   use rwmf_model_history_row, only: history_row_t, numbered, put
+   use rwmf_problem_quantity_values, only: put, values_t
    use rwmf_model_system_reactions, only: friction_demand, has_section_forces, reactions_t, &
       wall_drift
    use rwmf_model_system_wall_sections, only: links_t
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_quantity_table, only: id, key_length, key_of
+   use rwmf_problem_quantity_table, only: id, key_length
    use rwmf_simulation_pushover_static_scene, only: static_scene_t
    use rwmf_simulation_recorder_element_demands, only: largest_stroke
    use rwmf_simulation_recorder_force_envelopes, only: find_sections, lay_strip, place_sections, &
@@ -43,7 +43,7 @@ contains
 
    !> Append the columns of a scene with a wall.
    subroutine put_demands(row, scene, links, reactions)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(static_scene_t), intent(inout) :: scene
       type(links_t), intent(in) :: links
       !! with the load on linked floors
@@ -87,7 +87,7 @@ contains
 
    !> Append stress and strain of the tendon where its strands and its length are known.
    subroutine put_tendon(row, scene)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(static_scene_t), intent(in) :: scene
 
       real(wp) :: strain
@@ -110,7 +110,7 @@ contains
 
    !> Append shear and moment of the wall at mid-height and on both sides of the floors.
    subroutine put_sections(row, scene)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(static_scene_t), intent(inout) :: scene
       !! with the forces of the links
       real(wp) :: middle(2)
@@ -131,18 +131,15 @@ contains
       end associate
    end subroutine put_sections
 
-   !> Key of a column of a row; that of a largest value is without '_max'.
-   pure character(key_length) function instant_key(row, column) result(key)
-      type(history_row_t), intent(in) :: row
-      !! that collects its names
-      integer, intent(in) :: column
-      !! number of the column
+   !> Key of a column: that of a largest value without its '_max'.
+   elemental character(key_length) function instant_key(key)
+      character(*), intent(in) :: key
+      !! key of the table of quantities
       integer :: place
 
-      key = numbered(trim(key_of(row%numbers(column))), row%below(column) &
-         + count(row%numbers(:column) == row%numbers(column)))
+      instant_key = key
       place = index(key, '_max')
-      if (place > 0) key = key(:place - 1)//key(place + 4:)
+      if (place > 0) instant_key = key(:place - 1)//key(place + 4:)
    end function instant_key
 
 end module rwmf_simulation_pushover_demand_columns

@@ -2,7 +2,7 @@
 module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_kinds, only: wp
    use rwmf_model_floor_motion, only: follows_roof
-   use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_scene, only: demand_list_t
    use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_system_demands, only: building_of, building_t, demands_at, demands_t
@@ -11,12 +11,11 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_problem_frame_strength, only: has_strength, storeys_have_strengths
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t
-   use rwmf_simulation_state_result, only: demand_extremes_t
    implicit none
    private
 
    public :: demand_recorder_t, create_demands
-   public :: put_storeys, put_demands, demand_extremes
+   public :: put_storeys, put_demands, put_demand_extremes
    public :: put_constants, lanes_find
 
    !> Running maxima of the magnitudes of the demands.
@@ -167,7 +166,7 @@ contains
 
    !> Compute the demands, and fill in storey columns that only a history with demands has.
    subroutine put_storeys(row, recorder, equation, t, y, y_dot)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(demand_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -187,7 +186,7 @@ contains
 
    !> Fill in the columns of floors and wall, with the demands computed by `put_storeys`.
    subroutine put_demands(row, recorder, equation)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
 
@@ -201,47 +200,56 @@ contains
       end associate
    end subroutine put_demands
 
-   !> Return the largest demands of the run.
-   subroutine demand_extremes(recorder, equation, u_s_max, t_u_s_max, extremes)
+   !> Put the largest demands of the run.
+   subroutine put_demand_extremes(values, recorder, equation, u_s_max, t_u_s_max)
+      type(values_t), intent(inout) :: values
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: u_s_max
       !! largest |u_s| [m]
       real(wp), intent(in) :: t_u_s_max
       !! time of u_s_max [s]
-      type(demand_extremes_t), intent(out) :: extremes
+      real(wp) :: t_drift
+      real(wp), allocatable :: drifts(:)
       integer :: n
 
-      associate (building => recorder%building, largest => recorder%largest, g => equation%p%g, &
-                 t => recorder%t_largest, drifts => recorder%building%drifts)
-         n = size(largest)
+      n = size(recorder%largest)
+      associate (building => recorder%building, s => recorder%building%drifts, &
+                 g => equation%p%g, largest => recorder%largest, t => recorder%t_largest)
          if (building%floors > 0) then
-            extremes%acceleration_max = largest(2*drifts + 1:n - 3)/g
-            extremes%t_acceleration_max = t(2*drifts + maxloc(extremes%acceleration_max, dim=1))
+            associate (accelerations => largest(2*s + 1:n - 3)/g)
+               call put(values, id%floor_i_acceleration_max_g, accelerations)
+               call put(values, id%floor_acceleration_max_g, maxval(accelerations))
+               call put(values, id%t_floor_acceleration_max_s, t(2*s + maxloc(accelerations, &
+                  dim=1)))
+            end associate
             if (building%roof_height > 0) then
-               extremes%roof_drift_max = u_s_max/building%roof_height
-               extremes%t_roof_drift_max = t_u_s_max
+               call put(values, id%roof_drift_max, u_s_max/building%roof_height)
+               call put(values, id%t_roof_drift_max_s, t_u_s_max)
             end if
          end if
-         if (drifts > 0) then
-            extremes%drift_max = largest(:drifts)
-            extremes%t_drift_max = t(maxloc(extremes%drift_max, dim=1))
+         if (s > 0) then
+            drifts = largest(:s)
+            t_drift = t(maxloc(drifts, dim=1))
             if (follows_roof(equation)) then
-               extremes%drift_max = u_s_max*abs(building%bend)/building%height
-               extremes%t_drift_max = t_u_s_max
+               drifts = u_s_max*abs(building%bend)/building%height
+               t_drift = t_u_s_max
             end if
-            extremes%shear_max = largest(drifts + 1:2*drifts)/g
+            call put(values, id%storey_i_drift_max, drifts)
+            call put(values, id%storey_drift_max, maxval(abs(drifts)))
+            call put(values, id%t_storey_drift_max_s, t_drift)
+            call put(values, id%storey_i_shear_max_over_m_w_g, largest(s + 1:2*s)/g)
          end if
          if (building%roof_height > 0) then
-            extremes%overturning_max = largest(n - 2)
-            extremes%t_overturning_max = t(n - 2)
+            call put(values, id%overturning_moment_max_over_weight_m, largest(n - 2))
+            call put(values, id%t_overturning_moment_max_s, t(n - 2))
          end if
          if (.not. (equation%has_wall .and. has_section_forces(equation))) return
-         extremes%wall_shear_max = largest(n - 1)/g
-         extremes%wall_shear_height = recorder%z_shear
-         extremes%wall_moment_max = largest(n)/g
-         extremes%wall_moment_height = recorder%z_moment
+         call put(values, id%wall_shear_max_over_m_w_g, largest(n - 1)/g)
+         call put(values, id%wall_shear_max_height_m, recorder%z_shear)
+         call put(values, id%wall_moment_max_over_m_w_g_m, largest(n)/g)
+         call put(values, id%wall_moment_max_height_m, recorder%z_moment)
       end associate
-   end subroutine demand_extremes
+   end subroutine put_demand_extremes
 
 end module rwmf_simulation_recorder_demand_extremes

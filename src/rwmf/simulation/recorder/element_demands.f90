@@ -4,17 +4,33 @@ module rwmf_simulation_recorder_element_demands
    use rwmf_model_elements, only: element_force, element_t, of_cable, of_coupling, of_damper, &
       of_fuse, of_restraint
    use rwmf_model_equation, only: equation_t
-   use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_hysteresis_spring_set, only: frame_force, prestress_loss
    use rwmf_model_stroke, only: stroke_at, turning_angle
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_state_result, only: element_extremes_t
    implicit none
    private
 
    public :: watched_elements, force_of, travel_of, largest_stroke, extremes_of, put_element_forces
-   public :: put_frame_force, resting_uplift, coupling_ratio, has_places
+   public :: put_frame_force, put_elements, element_extremes_t, resting_uplift, coupling_ratio
+   public :: has_places
+
+   !> Strokes and forces of one vertical element.
+   type :: element_extremes_t
+      integer :: group = 0
+      !! its group, as in `rwmf_model_elements`
+      real(wp) :: stroke(2) = 0
+      !! smallest and largest stroke [m]
+      real(wp) :: travel = 0
+      !! sum of all strokes there and back [m]
+      real(wp) :: force(2) = 0
+      !! smallest force of a tendon, and largest magnitude, over m_w g [-]
+      real(wp) :: force_end = 0
+      !! force at the end over m_w g [-]
+      real(wp) :: loss = 0
+      !! lost force at theta = 0 over m_w g [-]
+   end type element_extremes_t
 
 contains
 
@@ -144,6 +160,47 @@ contains
       end associate
    end function extremes_of
 
+   !> Put strokes and forces of the vertical elements.
+   pure subroutine put_elements(values, elements)
+      type(values_t), intent(inout) :: values
+      type(element_extremes_t), intent(in) :: elements(:)
+
+      associate (group => elements%group, low => elements%stroke(1), high => elements%stroke(2), &
+                 travel => elements%travel, force => elements%force(2), end => elements%force_end)
+         if (any(group == of_fuse)) then
+            call put(values, id%fuse_stroke_max_m, maxval(max(high, -low), group == of_fuse))
+            call put(values, id%fuse_stroke_sum_m, maxval(travel, group == of_fuse))
+            call put(values, id%fuse_i_stroke_max_m, pack(high, group == of_fuse))
+            call put(values, id%fuse_i_stroke_min_m, pack(low, group == of_fuse))
+            call put(values, id%fuse_i_stroke_sum_m, pack(travel, group == of_fuse))
+            call put(values, id%fuse_i_force_max_over_m_w_g, pack(force, group == of_fuse))
+            call put(values, id%fuse_i_force_end_over_m_w_g, pack(end, group == of_fuse))
+         end if
+         if (any(group == of_restraint)) then
+            call put(values, id%restraint_i_stroke_max_m, pack(high, group == of_restraint))
+            call put(values, id%restraint_i_stroke_min_m, pack(low, group == of_restraint))
+            call put(values, id%restraint_i_stroke_sum_m, pack(travel, group == of_restraint))
+            call put(values, id%restraint_i_force_max_over_m_w_g, pack(force, group &
+               == of_restraint))
+            call put(values, id%restraint_i_force_end_over_m_w_g, pack(end, group == of_restraint))
+         end if
+         if (any(group == of_coupling)) then
+            call put(values, id%coupling_stroke_max_m, maxval(max(high, -low), group &
+               == of_coupling))
+            call put(values, id%coupling_stroke_sum_m, sum(travel, group == of_coupling))
+            call put(values, id%coupling_force_max_over_m_w_g, sum(force, group == of_coupling))
+            call put(values, id%coupling_force_end_over_m_w_g, sum(end, group == of_coupling))
+         end if
+         if (any(group == of_cable)) then
+            call put(values, id%cable_i_force_max_over_m_w_g, pack(force, group == of_cable))
+            call put(values, id%cable_i_force_min_over_m_w_g, pack(elements%force(1), group &
+               == of_cable))
+            call put(values, id%cable_i_prestress_loss_over_m_w_g, pack(elements%loss, group &
+               == of_cable))
+         end if
+      end associate
+   end subroutine put_elements
+
    !> Ground acceleration over g at which the wall at rest lifts off before anything has yielded, to
    !> theta > 0 and to theta < 0 [-].
    pure function resting_uplift(equation) result(uplift)
@@ -183,7 +240,7 @@ contains
    !> Write the history columns of the elements' forces. Two fuses under the corners are the left
    !> and the right one.
    subroutine put_element_forces(row, equation, has_offsets, y)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       logical, intent(in) :: has_offsets
       !! the case gives the places of the fuses
@@ -213,7 +270,7 @@ contains
 
    !> Write the history column of the frame's total spring force.
    subroutine put_frame_force(row, equation, theta)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       !! equation with springs
       real(wp), intent(in) :: theta

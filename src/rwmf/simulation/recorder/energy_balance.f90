@@ -8,7 +8,7 @@ module rwmf_simulation_recorder_energy_balance
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_model_elements, only: of_cable
    use rwmf_model_equation, only: has_elements, has_further_effects
-   use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_lanes, only: of_bending, of_input, of_plastic, of_viscous, &
       power_count
    use rwmf_model_system_assembly, only: equation_t
@@ -20,7 +20,7 @@ module rwmf_simulation_recorder_energy_balance
    implicit none
    private
 
-   public :: integrate_powers, add_work, put_energies
+   public :: integrate_powers, add_work, put_balance, put_energies
 
 contains
 
@@ -85,7 +85,7 @@ contains
    !>
    !> These are the work since t = 0 and the stored energy at a state, for history and scalars.
    subroutine put_energies(row, energy, equation, y)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(energy_t), intent(in) :: energy
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -112,6 +112,24 @@ contains
          call put(row, id%energy_bending_damping_J_per_kg, energy%bending)
       end if
    end subroutine put_energies
+
+   !> Put the terms at the end, and the residual over initial plus largest input energy.
+   pure subroutine put_balance(values, energy)
+      type(values_t), intent(inout) :: values
+      type(energy_t), intent(in) :: energy
+      real(wp) :: residual, scale, balance
+      integer :: i
+
+      do i = 1, energy%terms%n
+         call put(values, energy%terms%ids(i), energy%terms%numbers(i))
+      end do
+      residual = energy%final + energy%viscous + energy%bending + energy%impact &
+         + energy%hysteretic - energy%initial - energy%input
+      scale = abs(energy%initial) + energy%input_max
+      balance = 0
+      if (scale > 0) balance = abs(residual)/scale
+      call put(values, id%energy_balance_relative, balance)
+   end subroutine put_balance
 
    !> True if further effects store energy.
    pure logical function stores_in_effects(equation) result(does)

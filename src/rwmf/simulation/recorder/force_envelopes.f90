@@ -9,7 +9,7 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_model_equation, only: frame_motion, kinematics_at
    use rwmf_model_elements, only: of_cable
    use rwmf_model_floor_motion, only: floor_motion, follows_roof
-   use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_no_tension_strip, only: contact_length, settlement_stress, strip_t
    use rwmf_model_system_assembly, only: equation_t, interval_of
    use rwmf_model_system_bent_sections, only: find_bent_sections
@@ -24,16 +24,15 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_events_watched_spans, only: moment_t, span_between, span_of, span_t, watch_t
-   use rwmf_simulation_recorder_element_demands, only: extremes_of, force_of, travel_of, &
-      watched_elements
+   use rwmf_simulation_recorder_element_demands, only: element_extremes_t, &
+      extremes_of, force_of, put_elements, travel_of, watched_elements
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece
    use rwmf_simulation_recorder_step_states, only: step_states_t
-   use rwmf_simulation_state_result, only: envelope_extremes_t
    implicit none
    private
 
    public :: envelope_recorder_t, create_envelopes, observe_envelopes
-   public :: put_envelopes, envelope_extremes
+   public :: put_envelopes, put_envelope_extremes
    public :: place_sections, lay_strip, find_sections, put_strip
 
    integer, parameter :: of_normal = 1
@@ -391,7 +390,7 @@ contains
 
    !> Fill in the columns of the history at one instant.
    subroutine put_envelopes(row, recorder, equation, t, y, y_dot)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -419,7 +418,7 @@ contains
 
    !> Fill in the columns of the strip under the base.
    pure subroutine put_strip(row, recorder, normal, theta)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(envelope_recorder_t), intent(in) :: recorder
       !! with a strip
       real(wp), intent(in) :: normal
@@ -434,53 +433,56 @@ contains
       if (allocated(recorder%modulus)) call put(row, id%toe_strain, strip(2)/recorder%modulus)
    end subroutine put_strip
 
-   !> Return the envelopes of the run.
-   subroutine envelope_extremes(recorder, equation, theta, y, extremes)
+   !> Put the envelopes of the run.
+   subroutine put_envelope_extremes(values, recorder, equation, theta, y)
+      type(values_t), intent(inout) :: values
       type(envelope_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta(2)
       !! smallest and largest rotation [rad]
       real(wp), intent(in) :: y(:)
       !! (states) at the end
-      type(envelope_extremes_t), intent(out) :: extremes
+      type(element_extremes_t) :: elements(size(recorder%watched))
       integer :: i, n
 
       n = recorder%building%floors
-      if (n > 0) extremes%velocity_max = recorder%largest(:n)
+      if (n > 0) call put(values, id%floor_i_velocity_max_m_s, recorder%largest(:n))
       if (.not. equation%has_wall) return
-      if (size(recorder%watched) > 0) allocate (extremes%elements(size(recorder%watched)))
-      do i = 1, size(recorder%watched)
-         extremes%elements(i) = extremes_of(equation, recorder%watched(i), theta, y)
-         extremes%elements(i)%travel = recorder%travel(i)
-         associate (last => size(recorder%largest) - 2*(size(recorder%watched) - i))
-            extremes%elements(i)%force = [-1, 1]*recorder%largest([last, last - 1])/equation%p%g
+      do i = 1, size(elements)
+         elements(i) = extremes_of(equation, recorder%watched(i), theta, y)
+         elements(i)%travel = recorder%travel(i)
+         associate (last => size(recorder%largest) - 2*(size(elements) - i))
+            elements(i)%force = [-1, 1]*recorder%largest([last, last - 1])/equation%p%g
          end associate
       end do
+      call put_elements(values, elements)
       if (allocated(recorder%strip)) then
-         associate (last => size(recorder%largest) - 2*size(recorder%watched))
-            extremes%contact_min = -recorder%largest(last - 1)
-            extremes%toe_stress_max = min(recorder%largest(last), recorder%strip%strength)
-            if (allocated(recorder%modulus)) extremes%toe_strain_max = recorder%largest(last) &
-               /recorder%modulus
+         associate (last => size(recorder%largest) - 2*size(elements))
+            call put(values, id%contact_length_min_m, -recorder%largest(last - 1))
+            call put(values, id%toe_stress_max_Pa, min(recorder%largest(last), &
+               recorder%strip%strength))
+            if (allocated(recorder%modulus)) call put(values, id%toe_strain_max, &
+               recorder%largest(last)/recorder%modulus)
          end associate
       end if
       associate (forces => recorder%largest(n + 1:)/equation%p%g)
-         extremes%normal_max = forces(of_normal)
+         call put(values, id%pivot_normal_max_over_m_w_g, forces(of_normal))
          if (.not. has_section_forces(equation)) return
-         extremes%base = forces(of_base:of_base + 1)
-         extremes%middle = forces(of_middle:of_middle + 1)
+         call put(values, id%wall_shear_base_max_over_m_w_g, forces(of_base))
+         call put(values, id%wall_moment_base_max_over_m_w_g_m, forces(of_base + 1))
+         call put(values, id%wall_shear_mid_max_over_m_w_g, forces(of_middle))
+         call put(values, id%wall_moment_mid_max_over_m_w_g_m, forces(of_middle + 1))
          if (n == 0) return
          associate (sections => reshape(forces(of_sections + 1:of_sections + per_floor*n), &
-                    [per_floor, n]))
-            extremes%shear_below = sections(1, :)
-            extremes%shear_above = sections(2, :)
-            extremes%moment_below = sections(3, :)
-            extremes%moment_above = sections(4, :)
-         end associate
-         associate (last => of_sections + per_floor*n + recorder%n_links)
-            extremes%link_max = forces(last - recorder%n_links + 1:last)
+                    [per_floor, n]), last => of_sections + per_floor*n + recorder%n_links)
+            call put(values, id%wall_shear_i_max_over_m_w_g, sections(1, :))
+            call put(values, id%wall_shear_i_above_max_over_m_w_g, sections(2, :))
+            call put(values, id%wall_moment_i_max_over_m_w_g_m, sections(3, :))
+            call put(values, id%wall_moment_i_above_max_over_m_w_g_m, sections(4, :))
+            call put(values, id%link_i_force_max_over_m_w_g, forces(last - recorder%n_links &
+               + 1:last), n - recorder%n_links)
          end associate
       end associate
-   end subroutine envelope_extremes
+   end subroutine put_envelope_extremes
 
 end module rwmf_simulation_recorder_force_envelopes

@@ -2,25 +2,24 @@
 module rwmf_simulation_recorder_reaction_columns
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: tip_displacement
-   use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
    use rwmf_model_system_reactions_loop, only: low_normal, shear
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_reaction_extremes, only: first_exceedance, &
       reaction_extremes_recorder_t
-   use rwmf_simulation_state_result, only: reaction_extremes_t
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    implicit none
    private
 
-   public :: put_reactions, force_extremes
+   public :: put_reactions, put_reaction_extremes
 
 contains
 
    !> Fill in the columns of the history at one instant.
    subroutine put_reactions(row, equation, m_w_g, t, y, y_dot, u_s)
-      type(history_row_t), intent(inout) :: row
+      type(values_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: m_w_g
       !! weight of the wall, 0 if it is unknown [N]
@@ -54,8 +53,9 @@ contains
       end associate
    end subroutine put_reactions
 
-   !> Extrema of the reactions over the run.
-   function force_extremes(forces, equation, theta_min, theta_max, u_s_max) result(extremes)
+   !> Put the extrema of the reactions over the run, and the drifts of wall and frame.
+   subroutine put_reaction_extremes(values, forces, equation, theta_min, theta_max, u_s_max)
+      type(values_t), intent(inout) :: values
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta_min
@@ -64,34 +64,36 @@ contains
       !! [rad]
       real(wp), intent(in) :: u_s_max
       !! largest |u_s| [m]
-      type(reaction_extremes_t) :: extremes
       real(wp) :: largest_demand
+      logical :: lifts, is_exceeded
 
-      extremes%base_shear_max = forces%largest(shear)/weight(equation)
-      extremes%t_base_shear_max = forces%t_largest(shear)
+      call put(values, id%base_shear_max_over_weight, forces%largest(shear)/weight(equation))
+      call put(values, id%t_base_shear_max_s, forces%t_largest(shear))
       if (.not. equation%has_wall) return
-      extremes%normal_min = -forces%largest(low_normal)/equation%p%g
-      extremes%t_normal_min = forces%t_largest(low_normal)
-      extremes%pivot_lifts = extremes%normal_min <= 0
+      lifts = -forces%largest(low_normal)/equation%p%g <= 0
+      call put(values, id%pivot_normal_min_over_m_w_g, -forces%largest(low_normal)/equation%p%g)
+      call put(values, id%t_pivot_normal_min_s, forces%t_largest(low_normal))
+      call put(values, id%pivot_lifts, lifts)
       if (equation%parts%has_shear_key) then
-         extremes%shear_key_max = forces%largest_demand/equation%p%g
-         extremes%t_shear_key_max = forces%t_demand
+         call put(values, id%shear_key_force_max_over_m_w_g, forces%largest_demand/equation%p%g)
+         call put(values, id%t_shear_key_force_max_s, forces%t_demand)
       else
-         largest_demand = forces%largest_demand
-         if (extremes%pivot_lifts) largest_demand = huge(largest_demand)
-         extremes%demand_max = infinite_where_lifted(largest_demand)
-         if (.not. extremes%pivot_lifts) extremes%t_demand_max = forces%t_demand
-         if (equation%has_impacts) extremes%impact_demand_max = forces%impact_demand
+         largest_demand = merge(huge(largest_demand), forces%largest_demand, lifts)
+         call put(values, id%friction_demand_max, infinite_where_lifted(largest_demand))
+         if (.not. lifts) call put(values, id%t_friction_demand_max_s, forces%t_demand)
+         if (equation%has_impacts) call put(values, id%friction_demand_impact_max, &
+            forces%impact_demand)
       end if
       if (allocated(forces%limit)) then
-         extremes%is_exceeded = allocated(forces%t_exceeded) .or. allocated(forces%t_impulse)
-         if (extremes%is_exceeded) extremes%t_exceeded = first_exceedance(forces)
+         is_exceeded = allocated(forces%t_exceeded) .or. allocated(forces%t_impulse)
+         call put(values, id%friction_exceeded, is_exceeded)
+         if (is_exceeded) call put(values, id%t_friction_exceeded_s, first_exceedance(forces))
       end if
       ! drifts of a rigid wall are monotone in the rotation, whose peaks are located as events
-      extremes%wall_drift_max = max(wall_drift(equation, theta_max), &
-         -wall_drift(equation, theta_min))
-      if (equation%has_frame) extremes%frame_drift_max = u_s_max/roof_height(equation)
-   end function force_extremes
+      if (equation%beam%n == 0) call put(values, id%wall_drift_max, max(wall_drift(equation, &
+         theta_max), -wall_drift(equation, theta_min)))
+      if (equation%has_frame) call put(values, id%frame_drift_max, u_s_max/roof_height(equation))
+   end subroutine put_reaction_extremes
 
    elemental real(wp) function infinite_where_lifted(largest) result(shown)
       real(wp), intent(in) :: largest

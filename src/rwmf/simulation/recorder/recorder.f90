@@ -2,7 +2,7 @@
 !>
 !> The recorder reads the states of the hybrid loop and never changes them.
 module rwmf_simulation_recorder_recorder
-   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
    use rwmf_math_sign_changes, only: no_change, one_change
@@ -10,14 +10,14 @@ module rwmf_simulation_recorder_recorder
       has_tendons
    use rwmf_model_floors_floor_forces, only: put_floors
    use rwmf_model_floors_yielding_storeys, only: put_shears
-   use rwmf_model_history_row, only: create_row, history_row_t, put
+   use rwmf_problem_quantity_values, only: clear, put, values_t
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
    use rwmf_model_system_assembly, only: equation_t, frame_displacement, interval_of, &
       rates_at, second_derivative
    use rwmf_model_system_energy, only: impact_loss, mechanical_energy, yielding_loss
    use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
    use rwmf_problem_case, only: case_t, seeks
-   use rwmf_problem_quantity_table, only: all_quantities, id
+   use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_first_change, only: stop_at_change
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       sample_state, step_view_t, until
@@ -39,9 +39,9 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
    use rwmf_simulation_recorder_top_motion, only: top_count, top_displacements, &
       top_motion_t
-   use rwmf_simulation_state_newtons, only: weight_under
-   use rwmf_simulation_state_result, only: append_event, energy_t, event_t, history_t, &
-      shorten_events
+   use rwmf_simulation_state_history, only: create_history, history_t, shorten_history
+   use rwmf_simulation_state_newtons, only: force_t, forces_of, put_newtons
+   use rwmf_simulation_state_result, only: append_event, energy_t, event_t, shorten_events
    implicit none
    private
 
@@ -104,18 +104,14 @@ module rwmf_simulation_recorder_recorder
       logical :: keeps_events
       !! set with a history, or for a host that steps the wall
       type(history_t), allocatable :: history
-      type(history_row_t) :: row
+      type(values_t) :: row
       !! next row to write
       real(wp) :: dt
       !! interval of the history [s]
       real(wp) :: m_w_g
       !! weight of the wall, 0 if the case gives no mass [N]
-      real(wp), allocatable :: weights(:)
-      !! (quantities) reference weight of the ratio of each quantity in N or N m; 0 if the case
-      !! gives no mass [N]
-      integer, allocatable :: newtons(:, :)
-      !! (4, quantities in N) index in the table, first and last column of the ratio, number of
-      !! storeys below that have no column
+      type(force_t), allocatable :: newtons(:)
+      !! columns in N and N m that follow from others
       integer :: next_row
       !! first row of the history that is still empty
       type(event_t), allocatable :: events(:)
@@ -168,44 +164,17 @@ contains
       call create_reaction_extremes(recorder%forces, case, equation, y)
       call create_demands(recorder%demands, case, equation, y)
       call create_envelopes(recorder%envelopes, case, equation, y)
-      if (allocated(case%output%dt)) then
-         call create_history(recorder, case, equation, t_end, y, error)
-      end if
-   end subroutine create_recorder
-
-   subroutine create_history(recorder, case, equation, t_end, y, error)
-      type(recorder_t), intent(inout) :: recorder
-      type(case_t), intent(in) :: case
-      !! case with an interval of the history
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t_end
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states) at t = 0
-      type(error_t), allocatable, intent(out) :: error
-      integer :: status
-      real(wp) :: rows
-
+      if (.not. allocated(case%output%dt)) return
       recorder%keeps_history = .true.
-      allocate (recorder%history)
       recorder%keeps_events = .true.
       recorder%dt = case%output%dt
       recorder%next_row = 1
       call create_columns(recorder, case, equation, y)
-      call move_alloc(recorder%row%names, recorder%history%names)
-      rows = aint(t_end/recorder%dt*(1 + 8*epsilon(1.0_wp))) + 1
-      status = 1
-      if (rows < real(huge(1), wp)) then
-         allocate (recorder%history%values(int(rows), size(recorder%history%names)), stat=status)
-      end if
-      if (status /= 0) then
-         call fail(error, err_numerical, 'out of memory for the history: &output dt gives ' &
-            //'more rows than fit; raise dt or lower t_end', 'out_of_memory')
-         return
-      end if
-   end subroutine create_history
+      allocate (recorder%history)
+      call create_history(recorder%history, recorder%row, t_end, recorder%dt, error)
+   end subroutine create_recorder
 
-   !> Collect numbers and names of the columns that apply to the scene.
+   !> Collect the columns that apply to the scene.
    subroutine create_columns(recorder, case, equation, y)
       type(recorder_t), intent(inout) :: recorder
       !! its `row` receives the columns
@@ -213,25 +182,22 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states) any possible state
-      integer :: i
 
       recorder%m_w_g = 0
       if (equation%has_wall) then
          if (allocated(case%wall%m_w)) recorder%m_w_g = case%wall%m_w*equation%p%g
       end if
-      allocate (recorder%weights(size(all_quantities)), source=0.0_wp)
-      do i = 1, size(all_quantities)
-         if (all_quantities(i)%ratio > 0) recorder%weights(i) = weight_under(case, &
-            all_quantities(i)%ratio)
-      end do
-      call create_row(recorder%row)
+      ! without forces in N at first
+      recorder%newtons = [force_t ::]
+      call put_columns(recorder, equation, 0.0_wp, y, 0*y, recorder%energy)
+      recorder%newtons = forces_of(case, recorder%row)
       call put_columns(recorder, equation, 0.0_wp, y, 0*y, recorder%energy)
    end subroutine create_columns
 
    !> Compute the columns at one instant.
    subroutine find_columns(recorder, equation, t, y, is_at_rest)
       type(recorder_t), intent(inout) :: recorder
-      !! after `create_columns`, without names; its `row` receives the values
+      !! after `create_columns`; its `row` receives the values
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -242,10 +208,7 @@ contains
       real(wp) :: y_dot(size(y))
 
       call find_rates(equation, t, y, is_at_rest, y_dot)
-      recorder%row%n = 0
       call put_columns(recorder, equation, t, y, y_dot, recorder%energy)
-      ! Adding zero turns -0 of a wall at rest on its left side into 0.
-      recorder%row%values = recorder%row%values + 0.0_wp
    end subroutine find_columns
 
    !> Update the maxima with a state.
@@ -614,10 +577,8 @@ contains
       type(energy_t), intent(in) :: energy
       !! energy with the work up to t
 
-      recorder%row%n = 0
       call put_columns(recorder, equation, t, y, y_dot, energy)
-      ! Adding zero turns -0 of a wall at rest on its left side into 0.
-      recorder%history%values(recorder%next_row, :) = recorder%row%values + 0.0_wp
+      recorder%history%values(recorder%next_row, :) = recorder%row%numbers(:recorder%row%n)
       recorder%next_row = recorder%next_row + 1
    end subroutine write_row
 
@@ -636,9 +597,9 @@ contains
       !! [m/s]
       real(wp) :: cable
       !! force of all tendons over m_w g [-]
-      integer :: i
 
       u_s = 0
+      call clear(recorder%row)
       associate (row => recorder%row, m_w_g => recorder%m_w_g)
          call put(row, id%t_s, t)
          if (equation%has_wall) then
@@ -676,42 +637,12 @@ contains
          if (allocated(recorder%demands)) call put_demands(row, recorder%demands, equation)
          if (allocated(recorder%envelopes)) call put_envelopes(row, recorder%envelopes, equation, &
             t, y, y_dot)
-         if (allocated(row%names)) call list_newtons(recorder)
-         do i = 1, size(recorder%newtons, 2)
-            associate (n => recorder%newtons(:, i))
-               call put(row, all_quantities(n(1))%id, row%values(n(2):n(3)) &
-                  *recorder%weights(n(1)), n(4))
-            end associate
-         end do
+         call put_newtons(row, recorder%newtons)
          if (recorder%keeps_energy) call put_energies(row, energy, equation, y)
+         ! turns -0 of a wall at rest on its left side into 0
+         row%numbers(:row%n) = row%numbers(:row%n) + 0.0_wp
       end associate
    end subroutine put_columns
-
-   !> List the columns of the row for which a column in N follows.
-   !>
-   !> Quantities that the row already has in N are left out.
-   subroutine list_newtons(recorder)
-      type(recorder_t), intent(inout) :: recorder
-      !! its row collects names
-      integer :: i, first, place
-
-      allocate (recorder%newtons(4, 0))
-      if (.not. any(recorder%weights > 0)) return
-      first = 1
-      associate (numbers => recorder%row%numbers)
-         do i = 1, size(numbers)
-            if (numbers(i) /= numbers(first)) first = i
-            if (i < size(numbers)) then
-               if (numbers(i + 1) == numbers(first)) cycle
-            end if
-            place = findloc(all_quantities%ratio, numbers(i), dim=1)
-            if (place == 0) cycle
-            if (any(numbers == all_quantities(place)%id)) cycle
-            recorder%newtons = reshape([recorder%newtons, place, first, i, &
-               recorder%row%below(i)], [4, size(recorder%newtons, 2) + 1])
-         end do
-      end associate
-   end subroutine list_newtons
 
    !> Record an impact with the angular velocities before and after it.
    subroutine observe_impact(recorder, equation, before, after)
@@ -807,7 +738,7 @@ contains
          call write_row(recorder, equation, t, y, y_dot, recorder%energy)
       end if
       ! overturning and collapse end the history early
-      call shorten_rows(recorder%history%values, recorder%next_row - 1)
+      call shorten_history(recorder%history, recorder%next_row - 1)
    end subroutine finish_recorder
 
    !> Update the maxima with the last state of a motion, and complete its energy.
@@ -820,8 +751,6 @@ contains
       !! (states)
       real(wp), intent(in) :: y_dot(:)
       !! (states) their rates
-      type(history_row_t) :: parts
-      !! parts of the energy
 
       call observe_state(recorder, equation, t, y)
       if (allocated(recorder%forces)) call search_state(recorder%forces, equation, t, y, y_dot)
@@ -831,28 +760,9 @@ contains
       if (recorder%keeps_energy) then
          recorder%energy%final = mechanical_energy(equation, y)
          recorder%energy%hysteretic = recorder%energy%flow + yielding_loss(equation, y)
-         call create_row(parts)
-         call put_energies(parts, recorder%energy, equation, y)
-         call move_alloc(parts%names, recorder%energy%names)
-         call move_alloc(parts%numbers, recorder%energy%numbers)
-         call move_alloc(parts%values, recorder%energy%values)
+         call clear(recorder%energy%terms)
+         call put_energies(recorder%energy%terms, recorder%energy, equation, y)
       end if
    end subroutine observe_present
-
-   !> Keep the first rows of a history.
-   !>
-   !> The copy is allocated explicitly, because a temporary array could exceed the stack.
-   pure subroutine shorten_rows(values, n)
-      real(wp), allocatable, intent(inout) :: values(:, :)
-      !! (rows, columns)
-      integer, intent(in) :: n
-      !! number of rows to keep
-      real(wp), allocatable :: kept(:, :)
-
-      if (n == size(values, 1)) return
-      allocate (kept(n, size(values, 2)))
-      kept(:, :) = values(:n, :)
-      call move_alloc(kept, values)
-   end subroutine shorten_rows
 
 end module rwmf_simulation_recorder_recorder

@@ -1,12 +1,17 @@
 !> Result of one simulation: maxima, counts, and the requested history and events.
 module rwmf_simulation_state_result
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_problem_case, only: case_t, has_floors
+   use rwmf_problem_quantity_table, only: all_quantities, id, look_up, sensitivity_id
+   use rwmf_problem_quantity_values, only: put, value_of, values_t
+   use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
+   use rwmf_simulation_state_history, only: history_t
+   use rwmf_simulation_state_newtons, only: forces_of, put_newtons
    implicit none
    private
 
-   public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
-   public :: envelope_extremes_t, element_extremes_t, sensitivities_t
-   public :: value_t, append_event, shorten_events, add_warning
+   public :: result_t, event_t, energy_t, append_event, shorten_events, add_warning
+   public :: complete_values, result_values, result_value
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
    public :: event_storey_limit, event_storey_turn, event_storey_zero
@@ -44,14 +49,6 @@ module rwmf_simulation_state_result
       !! [m/s]
    end type event_t
 
-   !> Response on a uniform grid of times.
-   type :: history_t
-      character(32), allocatable :: names(:)
-      !! (columns), with unit suffix as in the CSV file: 't_s', 'theta_rad', ...
-      real(wp), allocatable :: values(:, :)
-      !! (rows, columns) in the units of the names; rows end at overturning or collapse
-   end type history_t
-
    !> Energy balance per unit m_w (bare frame: per unit m_s) [J/kg].
    type :: energy_t
       real(wp) :: initial
@@ -72,228 +69,43 @@ module rwmf_simulation_state_result
       !! part of it that is not a function of the state: smooth hysteresis and rupture
       real(wp) :: bending = 0
       !! dissipated by the dampers of the modes
-      character(32), allocatable :: names(:)
-      !! names of the energy terms that apply to the scene
-      integer, allocatable :: numbers(:)
-      !! (terms) numbers in the table of quantities
-      real(wp), allocatable :: values(:)
-      !! (terms) values at the end
+      type(values_t) :: terms
+      !! reported terms at the end
    end type energy_t
-
-   !> Extrema of the reactions of the foundation. Components that do not apply are not allocated.
-   type :: reaction_extremes_t
-      real(wp) :: base_shear_max
-      !! base shear of wall and frame over their weight [-]
-      real(wp) :: t_base_shear_max
-      !! time of its first occurrence [s]
-      real(wp), allocatable :: normal_min
-      !! smallest pivot reaction N over m_w g [-]; absent without a wall, as are the following
-      real(wp), allocatable :: t_normal_min
-      !! [s]
-      logical, allocatable :: pivot_lifts
-      !! true if N <= 0 at some time, where the model is not valid
-      real(wp), allocatable :: demand_max
-      !! largest |H|/N [-]; infinite if the pivot lifts; absent with a shear key, as is the next
-      real(wp), allocatable :: t_demand_max
-      !! [s]; absent if the pivot lifts
-      real(wp), allocatable :: impact_demand_max
-      !! largest horizontal over vertical impulse of the base at an impact, 0 without one [-];
-      !! absent with a shear key and for a hinged wall
-      real(wp), allocatable :: shear_key_max
-      !! largest |H| over m_w g [-]; absent without a shear key, as is the next
-      real(wp), allocatable :: t_shear_key_max
-      !! [s]
-      logical, allocatable :: is_exceeded
-      !! true if the demand exceeds the limit; absent without a limit
-      real(wp), allocatable :: t_exceeded
-      !! first time of exceedance [s]
-      real(wp), allocatable :: wall_drift_max
-      !! displacement of the mid-width of the wall's top over its height [-]
-      real(wp), allocatable :: frame_drift_max
-      !! displacement of the frame over the same height [-]
-      real(wp), allocatable :: tendon_force_max
-      !! largest cable force over m_w g [-]; absent without a cable
-      real(wp), allocatable :: tendon_stress_max
-      !! largest cable stress in the area of its strands [Pa]; absent without strands
-      real(wp), allocatable :: tendon_strain_max
-      !! largest cable strain, that of the prestress included [-]; absent without its length
-   end type reaction_extremes_t
-
-   !> Largest demands on the building. Components that do not apply are not allocated.
-   type :: demand_extremes_t
-      real(wp), allocatable :: drift_max(:)
-      !! (storeys) peak interstorey drifts over the storey heights [-]
-      real(wp), allocatable :: t_drift_max
-      !! time of the largest value [s]
-      real(wp), allocatable :: acceleration_max(:)
-      !! (floors) peak absolute accelerations over g [-]
-      real(wp), allocatable :: t_acceleration_max
-      !! time of the largest value [s]
-      real(wp), allocatable :: shear_max(:)
-      !! (storeys) peak shears of the columns, without dampers, over g and the unit of the floor
-      !! masses [-]
-      real(wp), allocatable :: roof_drift_max
-      !! peak roof displacement over the roof's height [-]; absent if the height is unknown
-      real(wp), allocatable :: t_roof_drift_max
-      !! time of the peak [s]
-      real(wp), allocatable :: overturning_max
-      !! peak moment of the horizontal inertia forces about the ground over the weight [m]; absent
-      !! if the height is unknown
-      real(wp), allocatable :: t_overturning_max
-      !! time of the peak [s]
-      real(wp), allocatable :: residual_drift(:)
-      !! (storeys) residual drifts after unloading at the end over the storey heights [-]; absent
-      !! unless the frame yields
-      real(wp), allocatable :: roof_residual_drift
-      !! residual roof displacement over the roof's height [-]
-      real(wp), allocatable :: roof_at_rest
-      !! roof displacement in static equilibrium after the motion over the roof's height [-]; absent
-      !! without an equilibrium, and unless frame or fuses yield
-      real(wp), allocatable :: wall_shear_max
-      !! peak shear in the wall over m_w g [-]; absent without a wall, as are the following
-      real(wp), allocatable :: wall_shear_height
-      !! its height above the base [m]
-      real(wp), allocatable :: wall_moment_max
-      !! peak bending moment in the wall over m_w g [m]
-      real(wp), allocatable :: wall_moment_height
-      !! its height above the base [m]
-   end type demand_extremes_t
-
-   !> Strokes and forces of one vertical element.
-   type :: element_extremes_t
-      integer :: group = 0
-      !! its group, as in `rwmf_model_elements`
-      real(wp) :: stroke(2) = 0
-      !! smallest and largest stroke [m]
-      real(wp) :: travel = 0
-      !! sum of all strokes there and back [m]
-      real(wp) :: force(2) = 0
-      !! smallest force of a tendon, and largest magnitude, over m_w g [-]
-      real(wp) :: force_end = 0
-      !! force at the end over m_w g [-]
-      real(wp) :: loss = 0
-      !! lost force at theta = 0 over m_w g [-]
-   end type element_extremes_t
-
-   !> Envelopes of forces over m_w g. Components that do not apply are not allocated.
-   type :: envelope_extremes_t
-      real(wp), allocatable :: velocity_max(:)
-      !! (floors) peak absolute velocities [m/s]; absent without a frame
-      type(element_extremes_t), allocatable :: elements(:)
-      !! vertical elements with own outputs; absent without any
-      real(wp), allocatable :: normal_max
-      !! largest pivot reaction [-]; absent without a wall, as are the following
-      real(wp), allocatable :: base(:), middle(:)
-      !! shear [-] and moment [m] at the base and at mid-height of the wall
-      real(wp), allocatable :: shear_below(:), shear_above(:)
-      !! (floors) peak wall shears just below and just above each floor [-]; absent without a frame,
-      !! as are the following
-      real(wp), allocatable :: moment_below(:), moment_above(:)
-      !! (floors) peak wall moments at the same places [m]
-      real(wp), allocatable :: link_max(:)
-      !! (links) peak axial forces, the roof link last [-]
-      real(wp), allocatable :: contact_min
-      !! smallest contact length of the base [m]; absent without `&base_section`, as is the next
-      real(wp), allocatable :: toe_stress_max
-      !! [Pa]
-      real(wp), allocatable :: toe_strain_max
-      !! [-]; absent if the modulus of the strip is unknown
-   end type envelope_extremes_t
-
-   !> Value of a quantity.
-   type :: value_t
-      integer :: number = 0
-      !! in the table of quantities
-      real(wp) :: value = 0
-      !! [unit of its key]
-   end type value_t
-
-   !> Sensitivities of one reported peak.
-   type :: sensitivities_t
-      integer :: number = 0
-      !! number of the peak in the table of quantities
-      integer :: below = 0
-      !! number of the lowest storeys or floors without a value
-      real(wp), allocatable :: values(:)
-      !! (levels, or 1) relative change of the peak per relative change of the motion [-]
-   end type sensitivities_t
 
    !> Result of one simulation. Components that do not apply to the scene are not allocated.
    type :: result_t
+      type(values_t) :: values
+      !! scalars that apply to the scene and are requested; `result_values` adds those of the run
       real(wp), allocatable :: u_s_max
       !! supremum of |u_s| over [0, t_end] [m]; absent without a frame
-      real(wp), allocatable :: tip_deflection_max
-      !! largest deflection of the wall's top from its straight axis [m]; absent without `&bending`
-      real(wp), allocatable :: t_u_s_max
-      !! time of its first occurrence [s]
       real(wp), allocatable :: theta_max
-      !! largest theta [rad]; absent without a wall, as are the following
+      !! largest theta [rad]; absent without a wall, as is the following
       real(wp), allocatable :: theta_min
       !! smallest theta [rad]
-      real(wp), allocatable :: theta_max_over_alpha
-      !! maximum of |theta|/alpha [-]
-      real(wp), allocatable :: theta_dot_max
-      !! maximum of |theta_dot|, velocities before impacts included [rad/s]
-      real(wp), allocatable :: cable_increment_max
-      !! maximum of P/(m_w g) - eta_0 [-]; absent without a cable
-      real(wp), allocatable :: prestress_loss
-      !! eta_0 minus P/(m_w g) at theta = 0 at the end [-]; absent unless the tendon can yield or
-      !! break
-      logical, allocatable :: has_ruptured
-      !! true if the tendon has ruptured; absent unless it can rupture
-      real(wp), allocatable :: ductility
-      !! u_s_max over u_y, or the largest storey ductility if storeys yield individually [-]; absent
-      !! unless the frame yields
-      real(wp), allocatable :: residual_displacement
-      !! displacement of the frame without force at the end [m]; absent unless the frame yields
-      real(wp), allocatable :: storey_ductility(:)
-      !! (storeys) largest |u_i - u_(i-1)| over its value at first yield [-]; absent unless storeys
-      !! yield individually
-      real(wp), allocatable :: storey_residual_drift(:)
-      !! (storeys) residual drifts after unloading at the end over the storey heights [-]; absent
-      !! unless storeys yield individually
-      real(wp), allocatable :: storey_at_rest(:)
-      !! (storeys) drifts in static equilibrium after the motion [-]; absent without an equilibrium,
-      !! and unless storeys yield individually
-      real(wp), allocatable :: theta_end_over_alpha
-      !! theta/alpha at the end [-]; absent unless springs may hold the wall up
-      real(wp), allocatable :: uplift(:)
-      !! ground acceleration over g at which the wall at rest lifts off, to theta > 0 and to theta <
-      !! 0 [-]; absent unless elements stand off the axis
-      real(wp), allocatable :: coupling_ratio
-      !! share of the couplings in the moment of all walls at yield [-]; absent without them
-      real(wp), allocatable :: e
-      !! velocity factor at impact [-]; absent without impacts
-      real(wp), allocatable :: modal_damping(:, :)
-      !! (up to 3 modes, 2) damping ratios of a bending wall in contact and rocking [-]
-      real(wp), allocatable :: e_max
-      !! e of the momentum balance: that of an impulse at the new corner [-]
-      integer(i8) :: impacts
-      integer(i8) :: lift_offs
-      logical :: has_impacts
+      integer(i8) :: impacts = 0
+      integer(i8) :: lift_offs = 0
+      logical :: has_impacts = .false.
       !! true if the scene has a rocking wall, with impacts and lift-offs
-      logical :: overturned
-      logical, allocatable :: collapsed
-      !! true if a drift exceeds the limit of an effect; absent without such a limit
-      real(wp), allocatable :: t_collapse
-      !! time of collapse [s]; absent without collapse
-      real(wp), allocatable :: t_grazing
-      !! first time at which the wall turns back on its base or just above it [s]; absent if it
-      !! never does
-      real(wp), allocatable :: t_chatter
-      !! first time of averaged bounces below the resolution [s]; absent without such bounces
-      integer(i8) :: steps
+      logical :: overturned = .false.
+      logical :: has_collapsed = .false.
+      !! a drift exceeds the limit of an effect
+      real(wp) :: t_grazing = -1
+      !! first time at which the wall turns back on its base or just above it; negative: never [s]
+      real(wp) :: t_chatter = -1
+      !! first time of averaged bounces below the resolution; negative: none [s]
+      integer(i8) :: steps = 0
       !! number of accepted steps of the integrator
-      integer(i8) :: rhs_evaluations
-      real(wp) :: t_end
+      integer(i8) :: rhs_evaluations = 0
+      real(wp) :: t_end = 0
       !! end of the simulation: the case's end, overturning or collapse [s]
       real(wp), allocatable :: final_state(:)
       !! state at that time
-      real(wp) :: seconds
+      real(wp) :: seconds = 0
       !! wall-clock time of the integration [s]
       character(:), allocatable :: method
       !! integrator in use
-      real(wp) :: rtol
+      real(wp) :: rtol = 0
       !! relative tolerance of the integrator [-]
       real(wp), allocatable :: estimated_relative_error
       !! error of u_s_max (without a frame: of theta_max) [-]; absent unless requested
@@ -301,17 +113,9 @@ module rwmf_simulation_state_result
       !! additional wall-clock time for the estimate, beyond `seconds` [s]
       real(wp), allocatable :: sensitivity
       !! relative change of this peak per relative change of the motion [-]
-      type(sensitivities_t), allocatable :: sensitivities(:)
-      !! of the reported peaks; absent unless requested, and without a motion
-      type(energy_t), allocatable :: energy
-      type(reaction_extremes_t), allocatable :: reactions
-      !! absent unless requested, as is the energy
-      type(demand_extremes_t), allocatable :: demands
-      !! absent unless requested
-      type(envelope_extremes_t), allocatable :: envelopes
-      !! absent unless requested
-      type(value_t), allocatable :: further(:)
-      !! values that no component holds
+      type(values_t), allocatable :: sensitivities
+      !! relative changes of the reported peaks per relative change of the motion [-]; absent unless
+      !! requested, and without a motion
       type(history_t), allocatable :: history
       type(event_t), allocatable :: events(:)
       !! in chronological order; stored only with a history
@@ -319,6 +123,65 @@ module rwmf_simulation_state_result
    end type result_t
 
 contains
+
+   !> Add impacts, overturning, properties of the frame's first mode, forces in N, moments in N m.
+   subroutine complete_values(case, result)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(inout) :: result
+
+      associate (values => result%values)
+         if (result%has_impacts) then
+            call put(values, id%impacts, result%impacts)
+            call put(values, id%lift_offs, result%lift_offs)
+         end if
+         if (allocated(result%theta_max)) call put(values, id%overturned, result%overturned)
+         if (has_floors(case)) then
+            associate (floors => case%frame%floors)
+               call put(values, id%modal_mass_over_m_w, modal_mass(floors, 1))
+               call put(values, id%mass_participation, modal_mass(floors, 1)/sum(floors%m))
+               call put(values, id%modal_height_m, modal_height(floors, 1))
+               call put(values, id%roof_factor, roof_factor(floors, 1))
+            end associate
+            call put(values, id%T_s_s, case%frame%T_s)
+         end if
+         call put_newtons(values, forces_of(case, values))
+      end associate
+   end subroutine complete_values
+
+   !> All scalars of a result: those of the response, of the run and of the error estimates.
+   pure type(values_t) function result_values(result) result(values)
+      type(result_t), intent(in) :: result
+      integer :: i
+
+      values = result%values
+      call put(values, id%steps, result%steps)
+      call put(values, id%rhs_evaluations, result%rhs_evaluations)
+      call put(values, id%seconds, result%seconds)
+      call put(values, id%rtol, result%rtol)
+      if (allocated(result%estimated_relative_error)) call put(values, &
+         id%estimated_relative_error, result%estimated_relative_error)
+      if (allocated(result%estimate_seconds)) call put(values, id%estimate_seconds, &
+         result%estimate_seconds)
+      if (allocated(result%sensitivity)) call put(values, id%sensitivity, result%sensitivity)
+      if (.not. allocated(result%sensitivities)) return
+      associate (found => result%sensitivities)
+         do i = 1, found%n
+            call put(values, sensitivity_id(found%ids(i)), found%numbers(i:i), found%levels(i) - 1)
+         end do
+      end associate
+   end function result_values
+
+   !> Scalar of a result by its key; NaN if it does not apply or is not requested.
+   pure real(wp) function result_value(result, key) result(value)
+      type(result_t), intent(in) :: result
+      character(*), intent(in) :: key
+      !! key as in the summary: 'base_shear_max_over_weight', 'storey_2_drift_max'
+      integer :: place, level
+
+      call look_up(key, place, level)
+      value = value_of(values_t(), 0, 0)
+      if (place > 0) value = value_of(result_values(result), all_quantities(place)%id, level)
+   end function result_value
 
    !> Name of an event in the outputs.
    pure function event_name(kind) result(name)
@@ -337,7 +200,7 @@ contains
       character(10) :: name
 
       name = 'ok'
-      if (allocated(result%t_collapse)) name = 'collapsed'
+      if (result%has_collapsed) name = 'collapsed'
       if (result%overturned) name = 'overturned'
    end function ending_name
 
