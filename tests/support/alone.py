@@ -21,8 +21,13 @@ Found = dict[str, Numbers]
 Path_ = Callable[[rwmf.Case, Sequence[str], Path], Found]
 
 RTOL = 1e-7
-# paths whose ordinates advance by Taylor series, where no forces or energies are requested
+# paths whose ordinates advance by Taylor series, where these know all requested quantities
 _BY_SERIES = ("rows", "spectrum", "sweep", "C")
+# forces and demands that the series know
+_OF_SERIES = re.compile(
+    "(t_)?(base_shear|pivot_normal_min|friction_demand_max|shear_key|floor_(\\d+_)?acceleration"
+    "|storey_|roof_|wall_drift|frame_drift|tendon_)|pivot_lifts"
+)
 FAMILIES = (combination, further_combination, spectrum_combination)
 
 
@@ -129,7 +134,7 @@ def _is_same(alone: Numbers, together: Numbers, key: str) -> bool:
     """Compare bits; series are close to the complete motion."""
     if np.array_equal(alone, together, equal_nan=True):
         return True
-    is_by_series = bool(key) and not find(key).asked_by
+    is_by_series = bool(key) and (not find(key).asked_by or bool(_OF_SERIES.match(key)))
     return is_by_series and np.allclose(
         alone, together, rtol=100 * RTOL, atol=100 * RTOL, equal_nan=True
     )

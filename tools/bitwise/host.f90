@@ -1,6 +1,7 @@
 !> Fortran host that prints its results bit by bit: `host KIND CASE.nml`.
 program bits_host
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use, intrinsic :: iso_fortran_env, only: int64
    use rwmf, only: advance_stepping, case_t, compute_spectrum, create_element, create_stepping, &
       destroy_stepping, element_response_t, error_t, event_name, event_t, uplift_demand_of, &
       next_impact, next_lift_off, query_events, query_forces, query_state, read_case_file, &

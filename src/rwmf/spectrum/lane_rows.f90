@@ -30,6 +30,7 @@ module rwmf_spectrum_lane_rows
    use rwmf_simulation_run, only: begin_run, guess_size, is_much_smaller, &
       most_passes, response_size
    use rwmf_simulation_series_series_batch, only: create_series_batch, is_served, series_batch_t
+   use rwmf_simulation_series_series_demands, only: serves_demands
    use rwmf_simulation_series_series_events, only: step_series
    use rwmf_simulation_series_series_loading, only: join_series
    use rwmf_simulation_state_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, &
@@ -364,7 +365,7 @@ contains
       type(lane_run_t), intent(in) :: run
 
       order = 0
-      if (request%is_of_rotation .and. run%case%solver%method /= 'dop853' &
+      if (serves_demands(run%recorder, run%equation) .and. run%case%solver%method /= 'dop853' &
           .and. run%case%solver%rtol >= 1.0e-11_wp &
           .and. .not. allocated(run%case%solver%accuracy) .and. is_served(run%equation)) then
          order = series_order(run%case%solver%rtol)

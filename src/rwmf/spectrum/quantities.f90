@@ -43,8 +43,6 @@ module rwmf_spectrum_quantities
       !! only the largest displacement of the frame is requested
       logical :: has_only_peaks = .false.
       !! all of them depend on the largest rotations only
-      logical :: is_of_rotation = .false.
-      !! all of them follow from events and the largest rotations and velocities of the wall
       logical :: seeks_velocity = .false.
       !! the largest velocity is one of them
       logical :: is_watched = .false.
@@ -120,8 +118,6 @@ contains
       request%is_displacement = all(request%keys == displacement) .and. .not. request%has_peak
       request%has_only_peaks = all(observed == of_displacement)
       request%seeks_velocity = any(observed == of_velocity)
-      request%is_of_rotation = .not. (output%reactions .or. output%demands .or. output%envelopes &
-         .or. output%energy)
       request%is_verified = case%solver%verify .and. any(observed == of_verification)
       request%has_sensitivity = any(request%is_sensitivity) &
          .or. (request%is_verified .and. any(request%keys == 'sensitivity'))

@@ -8,6 +8,9 @@ module rwmf_integrator_series_series_lanes
    private
 
    public :: series_lanes_t, series_width, most_terms_of_series, left, right
+   public :: demand_terms, motion_terms
+   public :: of_sine_2, of_cosine_2, of_ground, of_upward, of_sine_1, of_cosine_1, of_sine, &
+      of_cosine, of_phi_sine, of_phi_cosine, of_phi, of_constant
 
    integer, parameter :: series_width = 8
    !! number of lanes
@@ -17,6 +20,15 @@ module rwmf_integrator_series_series_lanes
    !! index of values for theta < 0
    integer, parameter :: right = 2
    !! index of values for theta > 0
+
+   integer, parameter :: of_sine_2 = 1, of_cosine_2 = 2, of_ground = 3, of_upward = 4
+   !! terms of the demands: second derivatives of S = sin(phi) and K = 1 - cos(phi), accelerations
+   !! of the ground
+   integer, parameter :: of_sine_1 = 5, of_cosine_1 = 6, of_sine = 7, of_cosine = 8, &
+      of_phi_sine = 9, of_phi_cosine = 10, of_phi = 11, of_constant = 12
+   !! first derivatives, values, their products with phi, and phi
+   integer, parameter :: motion_terms = of_upward, demand_terms = of_constant
+   !! number of the terms of accelerations, and of all terms
 
    !> Lanes that step together.
    type :: series_lanes_t
@@ -123,6 +135,19 @@ module rwmf_integrator_series_series_lanes
       real(wp) :: top_speed(series_width)
       !! largest |phi'| inside steps, if sought [rad/s]
       logical :: seeks_speed = .false.
+      ! demands: sums of terms
+      real(wp), allocatable :: rows(:, :, :, :)
+      !! (lanes, terms, sides, demands) factors of the terms; not allocated without demands
+      real(wp), allocatable :: level(:, :)
+      !! (lanes, demands) largest value so far
+      real(wp), allocatable :: two_sided(:)
+      !! (demands) 1 if the magnitude counts, 0 if only the value does [-]
+      real(wp), allocatable :: exceeds(:, :)
+      !! (lanes, demands) the present step may exceed the level [-]
+      real(wp) :: base(series_width, 0:most_terms_of_series - 2, demand_terms - 1)
+      !! series of the terms in the time over the length h
+      logical :: needs_all_terms = .false.
+      !! a demand has other terms than accelerations
       ! impacts
       real(wp) :: factor(series_width)
       !! velocity factor e [-]
@@ -164,6 +189,8 @@ module rwmf_integrator_series_series_lanes
       !! a search must show whether phi leaves its window, or turns on a branch that ends there [-]
       real(wp) :: may_peak(series_width)
       !! phi may have a maximum above the largest one so far [-]
+      real(wp) :: may_exceed(series_width)
+      !! a demand may exceed its level [-]
       real(wp) :: may_race(series_width)
       !! |phi'| may have a maximum above the largest one so far [-]
       real(wp) :: needs_care(series_width)
@@ -175,6 +202,7 @@ module rwmf_integrator_series_series_lanes
       logical :: some_open
       logical :: some_peak
       logical :: some_speed
+      logical :: some_demand = .false.
       logical :: some_short
       !! a series has to be shortened
       logical :: needs_some_care

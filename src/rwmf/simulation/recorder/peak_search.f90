@@ -119,7 +119,7 @@ contains
    end function has_search
 
    !> Update the maxima with one state. A wall at rest has zero rates.
-   subroutine search_state(self, equation, t, y, y_dot)
+   subroutine search_state(self, equation, t, y, y_dot, leader)
       class(peak_search_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -128,10 +128,12 @@ contains
       !! (states)
       real(wp), intent(in) :: y_dot(:)
       !! (states) their rates
+      integer, intent(in), optional :: leader
+      !! as in `keep_largest`
       real(wp) :: found(size(self%largest))
 
       call self%find(equation, t, y, y_dot, found)
-      call keep_largest(self, t, found)
+      call keep_largest(self, t, found, leader)
    end subroutine search_state
 
    !> Update the maxima with quantities at one instant.

@@ -22,7 +22,7 @@ module rwmf_simulation_recorder_reaction_extremes
 
    public :: reaction_extremes_recorder_t, create_reaction_extremes
    public :: first_exceedance, extremes_for_lanes
-   public :: observe_impulse, observe_moving, observe_resting
+   public :: observe_impulse, observe_moving, observe_resting, backward
 
    integer, parameter :: backward = reaction_count + 1
    !! the demand with H to the left; `demand` is that with H to the right

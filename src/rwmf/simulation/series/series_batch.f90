@@ -34,6 +34,9 @@ module rwmf_simulation_series_series_batch
       !! by side: phi at which the run ends, overturned or collapsed [rad]
       integer :: ending(series_width) = at_lower
       !! one of the `at_` numbers: the end of the window at the event of each lane
+      integer, allocatable :: demands(:)
+      !! (demands) their numbers: those of the reactions, then those of the building, see
+      !! `list_demands`
       logical :: has_ended = .true.
       !! a run is over, or a lane has none
       real(wp), allocatable :: lines(:, :)
@@ -139,6 +142,7 @@ contains
       lanes%t_top = 0
       lanes%fastest = 1
       lanes%top_speed = 1
+      lanes%base = 0
       lanes%factor = 1
       lanes%uplift = 1
       lanes%gain = 1

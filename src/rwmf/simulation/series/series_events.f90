@@ -11,6 +11,7 @@ module rwmf_simulation_series_series_events
    use rwmf_simulation_hybrid_transitions, only: apply_event
    use rwmf_simulation_lanes_batch, only: lane_state_t
    use rwmf_simulation_series_series_batch, only: at_lower, at_turn, at_upper, series_batch_t
+   use rwmf_simulation_series_series_demands, only: search_demands
    use rwmf_simulation_series_series_loading, only: check_work, enter_series, &
       leave_series, load_curves, pass_knots, shorten_steps
    use rwmf_simulation_state_result, only: event_branch, event_collapsed, &
@@ -46,6 +47,11 @@ contains
       if (batch%lanes%some_speed) then
          do i = 1, series_width
             if (batch%lanes%may_race(i) > 0) call find_speed(i, batch)
+         end do
+      end if
+      if (batch%lanes%some_demand) then
+         do i = 1, series_width
+            if (batch%lanes%may_exceed(i) > 0) call search_demands(lanes(i), i, batch)
          end do
       end if
       call batch%kernels%end_steps(batch%lanes)

@@ -26,6 +26,8 @@ module rwmf_simulation_series_series_loading
    use rwmf_simulation_lanes_batch, only: lane_state_t
    use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_series_series_batch, only: series_batch_t
+   use rwmf_simulation_series_series_demands, only: follow_lane, list_demands, &
+      load_demands
    use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, mode_rest, progress_t
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -76,6 +78,7 @@ contains
          lanes%impacts(i) = 0
          lanes%steps(i) = 0
       end associate
+      if (.not. allocated(batch%demands)) call list_demands(lane%recorder, batch)
       call enter_series(lane, i, batch)
    end subroutine join_series
 
@@ -333,6 +336,7 @@ contains
          if (equation%has_bilinear_springs) call load_window(lane, i, batch)
          batch%interval(i) = interval_of(equation) - 1
          call enter_next_interval(lane, i, batch)
+         call load_demands(lane, i, batch)
       end associate
    end subroutine enter_series
 
@@ -436,9 +440,7 @@ contains
          hybrid%t = lanes%t(i)
          side = nint(lanes%side(i))
          hybrid%y(:) = side*[lanes%phi(i), lanes%rate(i)]
-         if (equation%state%side /= side) call enter_side(equation%model_t, equation%state, side)
-         if (interval_of(equation) /= batch%interval(i)) call enter_interval(equation%model_t, &
-            equation%state, min(batch%interval(i), interval_last(equation%motion)))
+         call follow_lane(lane, i, batch)
          call renew_window(equation%model_t, equation%state)
          lane%integrator%steps = lane%integrator%steps + nint(lanes%steps(i), i8)
          lanes%steps(i) = 0

@@ -1,0 +1,294 @@
+!> Largest reactions, accelerations and drifts in the steps of a series batch.
+!>
+!> Each is a sum of terms whose series follow from that of phi. A loop over the lanes finds the
+!> steps in which it may exceed its largest value so far. The polynomial then gives the instant, and
+!> the equation of motion the value.
+module rwmf_simulation_series_series_demands
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_series_series_lanes, only: demand_terms, left, of_constant, of_cosine, &
+      of_cosine_1, of_cosine_2, of_ground, of_phi, of_phi_cosine, of_phi_sine, of_sine, &
+      of_sine_1, of_sine_2, of_upward, right, series_width
+   use rwmf_math_polynomial_roots, only: evaluate, find_largest
+   use rwmf_model_effects_numbers, only: p_delta_effect, storeys_effect, vertical_effect
+   use rwmf_model_elements, only: axis_row
+   use rwmf_model_equation, only: enter_interval, enter_side, equation_t, interval_of
+   use rwmf_model_scene, only: axis_term, frame_term
+   use rwmf_model_system_assembly, only: rates_at
+   use rwmf_model_system_reactions_loop, only: demand, low_normal, shear
+   use rwmf_motion_ground_motion, only: interval_last
+   use rwmf_simulation_lanes_batch, only: lane_state_t
+   use rwmf_simulation_recorder_peak_search, only: has_search, search_state
+   use rwmf_simulation_recorder_reaction_extremes, only: backward
+   use rwmf_simulation_recorder_recorder, only: recorder_t
+   use rwmf_simulation_series_series_batch, only: series_batch_t
+   implicit none
+   private
+
+   public :: serves_demands, list_demands, load_demands, search_demands, follow_lane
+
+   integer, parameter :: of_horizontal = 1, of_normal = 2, of_shear = 3, of_frame = 4
+   !! sums of terms: forces of the pivot H and N, base shear, and the frame's acceleration relative
+   !! to the ground, over m_w [m/s2]
+
+contains
+
+   !> Return whether the series know all demands that a run records.
+   pure logical function serves_demands(recorder, equation) result(serves)
+      type(recorder_t), intent(in) :: recorder
+      type(equation_t), intent(in) :: equation
+      integer :: q
+
+      serves = .not. (allocated(recorder%envelopes) .or. recorder%keeps_energy)
+      if (.not. serves) return
+      if (allocated(recorder%forces)) then
+         associate (forces => recorder%forces, effects => equation%scene%terms%effect)
+            serves = .not. (forces%sees_impulses .or. allocated(forces%limit) &
+               .or. any(effects == p_delta_effect))
+            if (any(forces%leader([low_normal, demand, backward]) > 0)) serves = serves &
+               .and. .not. equation%has_bilinear_springs .and. all(effects == frame_term &
+               .or. effects == axis_term .or. effects == vertical_effect)
+         end associate
+      end if
+      if (.not. (serves .and. allocated(recorder%demands))) return
+      associate (drifts => recorder%demands%building%drifts, floors => &
+                 recorder%demands%building%floors)
+         do q = 1, size(recorder%demands%leader)
+            if (has_search(recorder%demands, q)) serves = serves .and. ((q == 1 .and. floors > 0) &
+               .or. (q > 2*drifts .and. q <= 2*drifts + floors))
+         end do
+      end associate
+   end function serves_demands
+
+   !> List the demands that the runs of a batch record, if any.
+   pure subroutine list_demands(recorder, batch)
+      type(recorder_t), intent(in) :: recorder
+      !! of its first run
+      type(series_batch_t), intent(inout) :: batch
+      integer :: q
+
+      allocate (batch%demands(0))
+      if (allocated(recorder%forces)) then
+         do q = 1, backward
+            if (recorder%forces%leader(q) == q) batch%demands = [batch%demands, q]
+         end do
+      end if
+      batch%lanes%needs_all_terms = any(batch%demands /= shear)
+      if (allocated(recorder%demands)) then
+         associate (leader => recorder%demands%leader, drifts => recorder%demands%building%drifts)
+            do q = 1, size(leader)
+               if (leader(q) == q) batch%demands = [batch%demands, backward + q]
+            end do
+            batch%lanes%needs_all_terms = batch%lanes%needs_all_terms .or. any(leader(:drifts) > 0)
+         end associate
+      end if
+      associate (n => size(batch%demands))
+         if (n == 0) return
+         allocate (batch%lanes%rows(series_width, demand_terms, left:right, n), &
+            batch%lanes%level(series_width, n), batch%lanes%exceeds(series_width, n), &
+            source=0.0_wp)
+         batch%lanes%two_sided = merge(1.0_wp, 0.0_wp, batch%demands == shear &
+            .or. batch%demands > backward)
+      end associate
+   end subroutine list_demands
+
+   !> Load the factors of the terms and the levels of a lane's demands.
+   subroutine load_demands(lane, i, batch)
+      type(lane_state_t), intent(in) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      real(wp) :: sums(demand_terms, of_frame)
+      integer :: m, n
+
+      if (.not. allocated(batch%lanes%rows)) return
+      do m = left, right
+         sums = sums_of_terms(lane%equation, 2*m - 3)
+         do n = 1, size(batch%demands)
+            if (batch%demands(n) > backward) then
+               batch%lanes%rows(i, :, m, n) = building_row(lane, batch%demands(n) - backward, &
+                  sums(:, of_frame), 2*m - 3)
+               batch%lanes%level(i, n) = lane%recorder%demands%level(batch%demands(n) - backward)
+            else
+               call load_reaction(lane, batch%demands(n), sums, batch%lanes%rows(i, :, m, n), &
+                  batch%lanes%level(i, n))
+            end if
+         end do
+      end do
+   end subroutine load_demands
+
+   !> Factors of the terms of both forces of the pivot, the base shear and the frame's acceleration
+   !> on one side.
+   pure function sums_of_terms(equation, side) result(sums)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp) :: sums(demand_terms, of_frame)
+      real(wp) :: u(2), tendon(4)
+
+      sums = 0
+      associate (p => equation%p, geometry => equation%geometry, floors => equation%floors)
+         ! the centroid moves R (sin(alpha) - sin(alpha - phi)) and rises R (cos(alpha - phi) -
+         ! cos(alpha))
+         sums([of_sine_2, of_cosine_2, of_ground], of_horizontal) = [side*p%R*p%cos_alpha, &
+            side*p%R*geometry%sine_wall, 1.0_wp]
+         sums(:, of_shear) = sums(:, of_horizontal)
+         sums([of_sine_2, of_cosine_2, of_constant], of_normal) = [p%R*geometry%sine_wall, &
+            -p%R*p%cos_alpha, p%g]
+         if (equation%has_vertical) sums(of_upward, of_normal) = 1
+         if (equation%has_frame) then
+            u = 2*side*p%R*[p%cos_alpha, geometry%sine_link(side)]
+            sums([of_sine_2, of_cosine_2], of_frame) = u
+            sums([of_sine_2, of_cosine_2, of_ground], of_shear) = sums([of_sine_2, of_cosine_2, &
+               of_ground], of_shear) + [p%gamma*floors%excited_mass_ratio*u, p%gamma + floors%mass]
+            sums([of_sine_2, of_cosine_2, of_ground], of_horizontal) = sums([of_sine_2, &
+               of_cosine_2, of_ground], of_horizontal) + p%gamma*[u, floors%excited_mass_ratio]
+            sums([of_sine_1, of_cosine_1], of_horizontal) = p%gamma*p%two_xi_omega*u
+            sums([of_sine, of_cosine], of_horizontal) = p%gamma*equation%state%frame_slope*u
+         end if
+         if (.not. any(equation%scene%terms%effect == axis_term)) return
+         ! the tendon pulls along the axis of the wall
+         tendon = axis_row(equation%elements, equation%state%springs, side, p%R)
+         sums([of_sine, of_phi_sine], of_horizontal) = sums([of_sine, of_phi_sine], &
+            of_horizontal) + side*tendon(3:4)
+         sums([of_constant, of_cosine, of_phi, of_phi_cosine], of_normal) = sums([of_constant, &
+            of_cosine, of_phi, of_phi_cosine], of_normal) + [tendon(3), -tendon(3), tendon(4), &
+            -tendon(4)]
+      end associate
+   end function sums_of_terms
+
+   !> Row of a drift of the lowest storey or of a floor's acceleration.
+   pure function building_row(lane, q, frame, side) result(row)
+      type(lane_state_t), intent(in) :: lane
+      integer, intent(in) :: q
+      !! number of the demand
+      real(wp), intent(in) :: frame(demand_terms)
+      !! of the frame's acceleration
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp) :: row(demand_terms)
+
+      associate (building => lane%recorder%demands%building)
+         if (q <= 2*building%drifts) then
+            row = 0
+            row([of_sine, of_cosine]) = building%bend(1)/building%height(1)*frame([of_sine_2, &
+               of_cosine_2])
+         else
+            row = building%share(q - 2*building%drifts)*frame
+            row(of_ground) = 1
+         end if
+      end associate
+   end function building_row
+
+   !> Load the row of a reaction and its level.
+   !>
+   !> The friction demand |H|/N exceeds its largest value c where H - c N or -H - c N is positive.
+   pure subroutine load_reaction(lane, q, sums, row, level)
+      type(lane_state_t), intent(in) :: lane
+      integer, intent(in) :: q
+      !! number of the reaction
+      real(wp), intent(in) :: sums(demand_terms, of_frame)
+      real(wp), intent(out) :: row(demand_terms)
+      real(wp), intent(out) :: level
+
+      associate (forces => lane%recorder%forces)
+         level = forces%level(q)
+         if (q == low_normal) then
+            row = -sums(:, of_normal)
+         else if (q == shear) then
+            row = sums(:, of_shear)
+         else
+            row = merge(1, -1, q == demand)*sums(:, of_horizontal)
+            if (lane%equation%parts%has_shear_key) return
+            level = 0
+            if (forces%largest_demand < 0 .or. forces%largest_demand >= huge(level)) then
+               ! still unknown, or infinite
+               row = 0
+               row(of_constant) = -sign(1.0_wp, forces%largest_demand)
+            else
+               row = row - forces%largest_demand*sums(:, of_normal)
+            end if
+         end if
+      end associate
+   end subroutine load_reaction
+
+   !> Search the step of a lane for larger demands.
+   subroutine search_demands(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      integer :: n
+
+      call follow_lane(lane, i, batch)
+      do n = 1, size(batch%demands)
+         if (.not. batch%lanes%exceeds(i, n) > 0) cycle
+         call search_demand(lane, i, batch, n, 1)
+         if (batch%lanes%two_sided(n) > 0) call search_demand(lane, i, batch, n, -1)
+      end do
+   end subroutine search_demands
+
+   !> Search the step of a lane for a larger value of a demand in one direction.
+   !>
+   !> The largest H - c N shows a larger ratio, which is the next c, until none is larger.
+   subroutine search_demand(lane, i, batch, n, direction)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      integer, intent(in) :: n
+      !! number in the list
+      integer, intent(in) :: direction
+      !! +1 or -1
+      integer, parameter :: most = 20
+      real(wp), parameter :: same = 1.0e-13_wp
+      real(wp) :: c(0:batch%kernels%order - 2), largest, place, phi, slope, y(2), rates(2), before
+      integer :: k, m, round
+
+      associate (lanes => batch%lanes)
+         m = merge(right, left, lanes%side(i) > 0)
+         do round = 1, most
+            do k = 0, ubound(c, 1)
+               c(k) = direction*dot_product(lanes%rows(i, :of_constant - 1, m, n), &
+                  lanes%base(i, k, :))
+            end do
+            c(0) = c(0) + direction*lanes%rows(i, of_constant, m, n)
+            call find_largest(c, lanes%x(i), largest, place)
+            if (.not. largest > lanes%level(i, n)) return
+            call evaluate(lanes%p(i, :batch%kernels%order), place, phi, slope)
+            y = lanes%side(i)*[max(phi, 0.0_wp), slope/lanes%h(i)]
+            associate (t => lanes%t(i) + place*lanes%h(i), q => batch%demands(n))
+               call rates_at(lane%equation, t, y, rates)
+               if (q > backward) then
+                  call search_state(lane%recorder%demands, lane%equation, t, y, rates, q - backward)
+                  before = huge(before)
+               else
+                  before = lane%recorder%forces%largest_demand
+                  call search_state(lane%recorder%forces, lane%equation, t, y, rates, q)
+                  if (q == low_normal .or. q == shear .or. lane%equation%parts%has_shear_key) &
+                     before = huge(before)
+               end if
+            end associate
+            call load_demands(lane, i, batch)
+            if (before >= huge(before)) return
+            if (.not. lane%recorder%forces%largest_demand > before + same*abs(before)) return
+         end do
+      end associate
+   end subroutine search_demand
+
+   !> Move the equation of a lane to the side and the interval of its step.
+   subroutine follow_lane(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(in) :: batch
+      integer :: side
+
+      side = nint(batch%lanes%side(i))
+      associate (equation => lane%equation)
+         if (equation%state%side /= side) call enter_side(equation%model_t, equation%state, side)
+         if (interval_of(equation) /= batch%interval(i)) call enter_interval(equation%model_t, &
+            equation%state, min(batch%interval(i), interval_last(equation%motion)))
+      end associate
+   end subroutine follow_lane
+
+end module rwmf_simulation_series_series_demands
