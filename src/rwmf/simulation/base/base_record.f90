@@ -9,9 +9,10 @@ module rwmf_simulation_base_base_record
    use rwmf_math_polynomial_roots, only: find_largest
    use rwmf_math_power_series, only: product_term, series_value
    use rwmf_model_base_base_regime, only: base_regime_t
-   use rwmf_model_base_base_scene, only: base_scene_t
+   use rwmf_model_base_base_scene, only: base_scene_t, elongations
    use rwmf_model_base_base_series, only: base_series_t, is_crushing, is_pressed
    use rwmf_model_history_row, only: numbered
+   use rwmf_model_hysteresis_spring_laws, only: spring_energy
    use rwmf_model_series_series_motion, only: highest_order
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: all_quantities, id, key_length, key_of
@@ -22,7 +23,7 @@ module rwmf_simulation_base_base_record
 
    public :: base_record_t, create_record, find_columns, observe_step, stored_t, stored_energies
    public :: of_u, of_theta, of_rate, of_middle, of_left, of_right, of_normal, of_shear
-   public :: of_contact, of_slip, of_tendon, of_stress, of_total, of_drift, first_floor
+   public :: of_contact, of_slip, of_tendon, of_stress, of_total, of_drift, first_floor, first_fuse
 
    integer, parameter :: of_u = 1, of_theta = 2, of_rate = 3
    !! u_s [m], theta [rad], theta' [rad/s]
@@ -42,7 +43,8 @@ module rwmf_simulation_base_base_record
    !! base shear of wall and frame over their weight [-], displacement of the wall's top over its
    !! height [-]
    integer, parameter :: first_floor = 20
-   !! drifts [-] of all storeys, then accelerations of all floors over g [-]
+   !! drifts [-] of all storeys, then accelerations of all floors over g [-]; strokes [m] and forces
+   !! over m_w g [-] of all fuses follow, from `first_fuse`
 
    !> Column of the history.
    type :: history_column_t
@@ -62,6 +64,8 @@ module rwmf_simulation_base_base_record
       !! (2, columns) smallest and largest value, and their times [s]
       real(wp) :: stress = 0
       !! largest stress of strips over k [m]
+      real(wp), allocatable :: travel(:)
+      !! (fuses) sum of all strokes there and back [m]
       logical :: keeps_energy = .false.
       type(energy_t) :: energy
       real(wp) :: base_start = 0
@@ -86,10 +90,18 @@ module rwmf_simulation_base_base_record
       !! of the frame
       real(wp) :: gravity = 0
       real(wp) :: cable = 0
+      real(wp) :: fuses = 0
       real(wp) :: base = 0
    end type stored_t
 
 contains
+
+   !> First column of the fuses.
+   pure integer function first_fuse(scene)
+      type(base_scene_t), intent(in) :: scene
+
+      first_fuse = first_floor + 2*scene%frame%n
+   end function first_fuse
 
    !> Allocate the columns that a case requests.
    subroutine create_record(case, scene, regime, y, record, error)
@@ -106,12 +118,13 @@ contains
       integer :: n
 
       has_shear = .true.
-      n = first_floor - 1 + 2*scene%frame%n
+      n = first_fuse(scene) - 1 + 2*size(scene%springs)
       allocate (record%series(0:highest_order, n), source=0.0_wp)
       allocate (record%is_sought(n), source=.false.)
       allocate (record%extremes(2, n), record%times(2, n), source=0.0_wp)
       record%extremes(1, :) = huge(1.0_wp)
       record%extremes(2, :) = -huge(1.0_wp)
+      allocate (record%travel(size(scene%springs)), source=0.0_wp)
       record%is_sought(:of_rate) = .true.
       if (.not. allocated(case%output)) return
       associate (output => case%output, sought => record%is_sought)
@@ -131,12 +144,13 @@ contains
          sought(of_total) = output%reactions .and. has_shear .and. seeks(output, &
             [id%base_shear_max_over_weight, id%t_base_shear_max_s])
          sought(of_drift) = output%reactions .and. seeks(output, [id%wall_drift_max])
-         sought(first_floor:) = output%demands
+         sought(first_floor:first_fuse(scene) - 1) = output%demands
+         sought(first_fuse(scene):) = output%envelopes
          record%keeps_energy = output%energy
          stored = stored_energies(scene, regime, y)
          record%base_start = stored%base
          record%energy = energy_t(stored%kinetic + stored%strain + stored%gravity + stored%cable &
-            + stored%base, 0, 0, 0, 0, 0)
+            + stored%fuses + stored%base, 0, 0, 0, 0, 0)
          if (.not. allocated(output%dt)) return
          record%dt = output%dt
          call create_history(case, scene, record, error)
@@ -169,9 +183,11 @@ contains
       type(base_record_t), intent(inout) :: record
       !! with an allocated history
       character(key_length), allocatable :: names(:)
-      integer :: i, n
+      integer :: i, n, fuses, column
 
-      allocate (names(40 + 2*scene%frame%n), record%columns(40 + 2*scene%frame%n))
+      fuses = size(scene%springs)
+      n = 40 + 2*(scene%frame%n + fuses)
+      allocate (names(n), record%columns(n))
       n = 0
       call add(id%t_s, 0)
       call add(id%theta_rad, of_theta)
@@ -182,6 +198,15 @@ contains
       call add(id%u_g_ddot_m_s2, of_ground)
       if (allocated(case%upward)) call add(id%v_g_ddot_m_s2, of_upward)
       if (scene%has_tendon) call add(id%cable_force_over_m_w_g, of_tendon)
+      do i = 1, fuses
+         column = first_fuse(scene) + fuses + i - 1
+         if (allocated(case%fuse%offset)) then
+            call add(id%fuse_i_force_over_m_w_g, column, i)
+         else
+            call add(merge(id%fuse_left_force_over_m_w_g, id%fuse_right_force_over_m_w_g, i == 1), &
+               column)
+         end if
+      end do
       call add(id%base_height_m, of_middle)
       if (scene%slides) call add(id%base_slip_m, of_slip)
       call add(id%base_normal_over_m_w_g, of_normal)
@@ -209,12 +234,13 @@ contains
 
          n = n + 1
          names(n) = key_of(quantity)
-         if (present(floor)) names(n) = numbered(trim(key_of(quantity)), floor)
+         if (present(floor)) names(n) = numbered(names(n), floor)
          record%columns(n) = history_column_t(column)
          row = findloc(all_quantities%ratio, quantity, dim=1)
          if (row == 0 .or. .not. case%unit_mass > 0) return
          n = n + 1
          names(n) = all_quantities(row)%key
+         if (present(floor)) names(n) = numbered(names(n), floor)
          record%columns(n) = history_column_t(column, weight_under(case, quantity))
       end subroutine add
    end subroutine name_columns
@@ -235,7 +261,8 @@ contains
       type(base_record_t) :: record
       integer :: i
 
-      allocate (record%series(0:highest_order, first_floor - 1 + 2*scene%frame%n), source=0.0_wp)
+      allocate (record%series(0:highest_order, first_fuse(scene) - 1 + 2*size(scene%springs)), &
+         source=0.0_wp)
       allocate (record%is_sought(0), record%history)
       call name_columns(case, scene, record)
       call fill_columns(scene, regime, series, record)
@@ -267,6 +294,12 @@ contains
       end do
       if (scene%strips > 0 .and. record%is_sought(of_stress)) call observe_strips(scene, regime, &
          h, series, record%stress)
+      if (any(record%is_sought(first_fuse(scene):))) then
+         do i = 1, size(record%travel)
+            record%travel(i) = record%travel(i) &
+               + path_length(series%device%stretch(:series%order, i), h)
+         end do
+      end if
       if (record%keeps_energy) call add_work(scene, regime, h, series, record)
       if (allocated(record%history)) call write_rows(t, h, series%order, record)
    end subroutine observe_step
@@ -305,13 +338,29 @@ contains
       end if
    end subroutine keep_extremes
 
+   !> Length of the path of a quantity over a step, which turns at most twice.
+   pure real(wp) function path_length(c, h) result(path)
+      real(wp), intent(in) :: c(0:)
+      !! series of the quantity
+      real(wp), intent(in) :: h
+      !! [s]
+      real(wp) :: value(4), place(2)
+
+      value([1, 4]) = [c(0), series_value(c, h)]
+      call find_largest(c, h, value(2), place(1))
+      call find_largest(-c, h, value(3), place(2))
+      value(3) = -value(3)
+      if (place(1) > place(2)) value(2:3) = value([3, 2])
+      path = sum(abs(value(2:) - value(:3)))
+   end function path_length
+
    !> Set the columns to the series of a step.
    pure subroutine fill_columns(scene, regime, series, record)
       type(base_scene_t), intent(in) :: scene
       type(base_regime_t), intent(in) :: regime
       type(base_series_t), intent(in) :: series
       type(base_record_t), intent(inout) :: record
-      integer :: k, n
+      integer :: i, k, n
 
       n = series%order
       associate (of => series, column => record%series, b => scene%b)
@@ -347,6 +396,13 @@ contains
          column(:n, of_upward) = of%upward(:n)
          column(:n, of_total) = (of%shear(:n) - of%force(:n, 1) - of%anchor(:n)) &
             /(scene%g*(1 + scene%frame%mass(1, 1) + sum(scene%frame%m(:scene%frame%free))))
+         do i = 1, size(scene%springs)
+            k = first_fuse(scene) + i - 1
+            column(:n, k) = of%device%stretch(:n, i)
+            k = k + size(scene%springs)
+            column(:n, k) = regime%springs(i)%slope/scene%g*of%device%stretch(:n, i)
+            column(0, k) = column(0, k) + regime%springs(i)%offset/scene%g
+         end do
          column(:n, of_drift) = (of%x(:n) + 2*scene%h*of%turn%sine(:n))/(2*scene%h)
       end associate
       if (scene%frame%n > 0) call fill_floors(scene, series, record)
@@ -418,7 +474,7 @@ contains
       !! [s]
       type(base_series_t), intent(in) :: series
       type(base_record_t), intent(inout) :: record
-      real(wp), dimension(0:highest_order) :: push, lift
+      real(wp), dimension(0:highest_order) :: push, lift, rate
       real(wp) :: flow(0:highest_order, 2 + scene%frame%free)
       real(wp) :: rates(0:highest_order, 2 + scene%frame%free)
       real(wp) :: power
@@ -444,6 +500,14 @@ contains
                of%shear)*h**(k + 1)/(k + 1)
             do i = 1, merge(2 + frame%free, 0, frame%n > 0)
                energy%viscous = energy%viscous + product_term(k, flow(:, i), rates(:, i)) &
+                  *h**(k + 1)/(k + 1)
+            end do
+         end do
+         do i = 1, size(scene%devices)
+            if (.not. scene%devices(i)%c > 0) cycle
+            rate(:n) = of%device%rise_dot(:n) - 2*scene%devices(i)%offset*of%device%sine_rate(:n)
+            do k = 0, n
+               energy%viscous = energy%viscous + scene%devices(i)%c*product_term(k, rate, rate) &
                   *h**(k + 1)/(k + 1)
             end do
          end do
@@ -506,6 +570,7 @@ contains
             if (.not. regime%is_taut) stretch = -scene%eta_0/scene%eta_slope
             stored%cable = scene%g*stretch*(scene%eta_0 + scene%eta_slope*stretch/2)
          end if
+         stored%fuses = sum(spring_energy(scene%springs, regime%springs, elongations(scene, y)))
          if (scene%strips > 0) then
             stored%base = sum(min(scene%d_y, max(0.0_wp, scene%place*s - z - regime%depth))**2) &
                *scene%width

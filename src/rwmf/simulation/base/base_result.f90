@@ -2,13 +2,16 @@
 module rwmf_simulation_base_base_result
    use rwmf_core_kinds, only: wp
    use rwmf_model_base_base_regime, only: base_regime_t
-   use rwmf_model_base_base_scene, only: base_scene_t
+   use rwmf_model_base_base_scene, only: base_scene_t, elongations
+   use rwmf_model_elements, only: of_fuse
+   use rwmf_model_hysteresis_spring_laws, only: spring_loss
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_base_base_record, only: base_record_t, first_floor, of_contact, of_drift, &
+   use rwmf_simulation_base_base_record, only: base_record_t, first_floor, first_fuse, of_contact, &
+      of_drift, &
       of_left, of_middle, of_normal, of_rate, of_right, of_shear, of_slip, of_stress, of_tendon, &
       of_theta, of_total, of_u, stored_energies, stored_t
-   use rwmf_simulation_state_result, only: event_t, result_t, value_t
+   use rwmf_simulation_state_result, only: element_extremes_t, event_t, result_t, value_t
    implicit none
    private
 
@@ -47,6 +50,8 @@ contains
          call fill_values(case, scene, regime, record, y, result)
          if (case%output%reactions) call fill_reactions(scene, record, result)
          if (case%output%demands .and. scene%frame%n > 0) call fill_demands(scene, record, result)
+         if (case%output%envelopes .and. allocated(case%fuse)) call fill_fuses(scene, record, &
+            result)
          if (record%keeps_energy) call fill_energy(scene, regime, record, y, result)
       end if
       if (.not. allocated(record%history)) return
@@ -171,6 +176,26 @@ contains
       end associate
    end subroutine fill_demands
 
+   !> Fill strokes and forces of the fuses.
+   subroutine fill_fuses(scene, record, result)
+      type(base_scene_t), intent(in) :: scene
+      type(base_record_t), intent(in) :: record
+      type(result_t), intent(inout) :: result
+      integer :: i, stroke, force
+
+      allocate (result%envelopes)
+      allocate (result%envelopes%elements(size(scene%springs)))
+      do i = 1, size(scene%springs)
+         stroke = first_fuse(scene) + i - 1
+         force = stroke + size(scene%springs)
+         result%envelopes%elements(i) = element_extremes_t(of_fuse, record%extremes(:, stroke), &
+            record%travel(i), record%extremes(:, force), record%series(0, force))
+         associate (range => result%envelopes%elements(i)%force)
+            range(2) = maxval(abs(range))
+         end associate
+      end do
+   end subroutine fill_fuses
+
    !> Fill the energy ledger.
    subroutine fill_energy(scene, regime, record, y, result)
       type(base_scene_t), intent(in) :: scene
@@ -180,22 +205,25 @@ contains
       !! (states) at the end
       type(result_t), intent(inout) :: result
       type(stored_t) :: stored
-      real(wp) :: base
-      !! dissipated by the base [J/kg]
+      real(wp) :: base, plastic
+      !! dissipated by base and fuses [J/kg]
 
       stored = stored_energies(scene, regime, y)
       base = record%base_work - (stored%base - record%base_start)
       result%energy = record%energy
       associate (energy => result%energy)
-         energy%final = stored%kinetic + stored%strain + stored%gravity + stored%cable + stored%base
-         energy%hysteretic = base + record%friction
+         plastic = sum(spring_loss(scene%springs, regime%springs, elongations(scene, y)))
+         energy%final = stored%kinetic + stored%strain + stored%gravity + stored%cable &
+            + stored%fuses + stored%base
+         energy%hysteretic = base + record%friction + plastic
          energy%numbers = [id%energy_input_J_per_kg, id%energy_kinetic_J_per_kg, &
             id%energy_gravity_J_per_kg, id%energy_effects_J_per_kg, id%energy_viscous_J_per_kg, &
             id%energy_base_J_per_kg]
-         energy%values = [energy%input, stored%kinetic, stored%gravity, stored%base, &
-            energy%viscous, base]
+         energy%values = [energy%input, stored%kinetic, stored%gravity, stored%fuses &
+            + stored%base, energy%viscous, base]
          if (scene%frame%n > 0) call add(id%energy_strain_J_per_kg, stored%strain)
          if (scene%has_tendon) call add(id%energy_cable_J_per_kg, stored%cable)
+         if (size(scene%springs) > 0) call add(id%energy_hysteretic_J_per_kg, plastic)
          if (scene%slides) call add(id%energy_friction_J_per_kg, record%friction)
       end associate
 
