@@ -20,11 +20,13 @@ Motion = Callable[[float], float]
 State = Sequence[float]
 _NODES = [(float(x), float(w)) for x, w in zip(*np.polynomial.legendre.leggauss(3), strict=True)]
 OFF, PRESSED, CRUSHING, SETTLED = range(4)
+_GRAZE = 1e-11  # s
+_MOST_EVENTS = 20000
 
 
 @dataclass
 class Device:
-    """Fuse or damper under the base; forces over the mass of the wall."""
+    """Fuse or damper under the base, forces over the mass of the wall; or the frame's spring."""
 
     offset: float
     c: float = 0.0
@@ -61,6 +63,7 @@ class CompliantWall:
     ground: Motion = lambda t: 0.0
     upward: Motion = lambda t: 0.0
     devices: Sequence[Device] = ()
+    roof: Device | None = None
     strips: int = 0
     d_y: float = math.inf
     slip: int = field(default=0, init=False)
@@ -81,6 +84,7 @@ class CompliantWall:
         self.kinds = [PRESSED] * self.strips
         self.depths = [0.0] * self.strips
         self.fuses = [d for d in self.devices if d.strength > 0]
+        self.springs = self.fuses if self.roof is None else [*self.fuses, self.roof]
 
     def settlement(self, place: float, y: State) -> tuple[float, float]:
         """Settlement of a point of the base and its rate."""
@@ -118,8 +122,14 @@ class CompliantWall:
         return self.kappa * force, self.kappa * moment
 
     def stroke(self, device: Device, y: State) -> tuple[float, float]:
-        """Displacement of a point of the base along the line that halves the rotation, its rate."""
+        """Displacement of a point of the base along the line that halves the rotation, its rate.
+
+        That of the frame is the displacement of the roof.
+        """
         s, c = math.sin(y[4]), math.cos(y[4])
+        if device is self.roof:
+            u = y[0] + 2 * self.h * s + self.b * (1 - c)
+            return u, y[1] + (2 * self.h * c + self.b * s) * y[5]
         gone = (y[0] + device.offset * (c - 1), y[2] - self.z_0 - device.offset * s)
         speed = (y[1] - device.offset * s * y[5], y[3] - device.offset * c * y[5])
         line = (math.sin(y[4] / 2), math.cos(y[4] / 2))
@@ -166,8 +176,9 @@ class CompliantWall:
         pull = self.g * max(0.0, self.eta_0 + self.slope * (length - self.rest))
         tendon = (-pull * axis[0] / length, -pull * axis[1] / length)
         ground = self.ground(t)
+        plastic = 0.0 if self.roof is None else y[-1]
         spring = self.gamma * (
-            bend + ground + 2 * self.xi_s * self.omega_s * u_dot + self.omega_s**2 * u
+            bend + ground + 2 * self.xi_s * self.omega_s * u_dot + self.omega_s**2 * (u - plastic)
         )
         # the link acts at the left top corner: arm from the centroid (-b c + h s, b s + h c)
         arm = b * s + h * c
@@ -220,7 +231,7 @@ class CompliantWall:
         y = y.tolist()
         a, _, _ = self.accelerations(t, y)
         flows = [
-            f.k / (f.k + f.modulus) * self.stroke(f, y)[1] if f.flow else 0.0 for f in self.fuses
+            f.k / (f.k + f.modulus) * self.stroke(f, y)[1] if f.flow else 0.0 for f in self.springs
         ]
         return [y[1], a[0], y[3], a[1], y[5], a[2], *flows]
 
@@ -229,14 +240,19 @@ class CompliantWall:
 
         def excess(z: float) -> float:
             y = [0.0, 0.0, z, 0.0, theta, 0.0]
-            self.kinds = [PRESSED if self.settlement(p, y)[0] > 0 else OFF for p in self.places]
+            deep = [self.settlement(place, y)[0] for place in self.places]
+            self.kinds = [CRUSHING if d > self.d_y else PRESSED if d > 0 else OFF for d in deep]
+            self.depths = [max(0.0, d - self.d_y) for d in deep]
             span = (2 * self.h * math.sin(theta), z + 2 * self.h * math.cos(theta))
             length = math.hypot(*span)
             pull = max(0.0, self.eta_0 + self.slope * (length - self.rest))
             return self.pressure(y)[0] - self.g * (1 + pull * span[1] / length)
 
         deep = self.b * abs(math.sin(theta))
-        z = brentq(excess, self.z_0 - 2 * deep, deep, xtol=1e-18, rtol=1e-15)
+        low = self.z_0 - deep
+        while excess(low) < 0:
+            low *= 2
+        z = brentq(excess, low, deep, xtol=1e-18, rtol=1e-15)
         excess(z)
         return z
 
@@ -247,13 +263,20 @@ class CompliantWall:
 
         `peaks` has the largest magnitudes over the motion.
         """
-        y = np.zeros(6 + len(self.fuses))
+        y = np.zeros(6 + len(self.springs))
         y[2], y[4] = self.rest_at(theta) if theta else self.z_0, theta
         self.peaks = dict.fromkeys(("theta", "u", "x", "settlement", "stroke"), 0.0)
         self.sides: dict[str, bool] = {}
-        rows, slips, t = [y.copy()], 0, times[0]
+        rows, slips, t, pieces = [y.copy()], 0, times[0], 0
         for end in times[1:]:
+            # the ground motion may jump
+            if self.mu is not None and self.slip == 0:
+                _, normal, shear = self.accelerations(t, y.tolist())
+                slips += self._begin_slip(t, y) if abs(shear) > self.mu * normal else 0
             while t < end:
+                pieces += 1
+                if pieces > _MOST_EVENTS:
+                    raise RuntimeError(f"no way on at t = {t} s")
                 events = self._events(t, y.tolist())
                 part = solve_ivp(
                     self.rates,
@@ -274,7 +297,18 @@ class CompliantWall:
                         if found.size and found[-1] == t:
                             slips += change(t, y) or 0
             rows.append(y.copy())
+        self.last = y.tolist()
         return np.array(rows)[:, :6], slips
+
+    def crushed(self) -> float:
+        """Largest crushed depth at the end; one that still grows ends at the last settlement."""
+        return max(
+            (
+                self.settlement(place, self.last)[0] - self.d_y if kind == CRUSHING else depth
+                for place, kind, depth in zip(self.places, self.kinds, self.depths, strict=True)
+            ),
+            default=0.0,
+        )
 
     def _note(self, y: State) -> None:
         """Update the peaks."""
@@ -314,7 +348,7 @@ class CompliantWall:
                     add(lambda t, y, s=sign: self._grip(t, y, s), self._begin_slip)
             else:
                 add(lambda t, y: self.slip * y[1], self._end_slip)
-        for i, fuse in enumerate(self.fuses):
+        for i, fuse in enumerate(self.springs):
             if fuse.flow:
                 add(lambda t, y, f=fuse: f.flow * self.stroke(f, y)[1], _flow(fuse, 0))
                 continue
@@ -372,7 +406,8 @@ class CompliantWall:
                 d, rate = self.settlement(self.places[i], y)
                 if self.kinds[i] == CRUSHING:
                     self.depths[i] = d - self.d_y
-                self.kinds[i] = SETTLED if self.kinds[i] == OFF and rate < 0 else kind
+                rises = self.kinds[i] == OFF and d - self.depths[i] + self.delay * rate < 0
+                self.kinds[i] = SETTLED if rises and self.delay > 0 else kind
 
             return change
 
@@ -397,12 +432,15 @@ class CompliantWall:
 
     def _begin_slip(self, t: float, y: State) -> int:
         self.slip = -int(math.copysign(1, self.accelerations(t, list(y))[2]))
+        self.begun = t
         return 1
 
     def _end_slip(self, t: float, y: np.ndarray) -> int:
         y[1], self.slip = 0.0, 0
         _, normal, shear = self.accelerations(t, y.tolist())
-        return 0 if abs(shear) <= self.mu * normal else self._begin_slip(t, y)
+        # a slip of no length grazes the limit
+        held = abs(shear) <= self.mu * normal or t - self.begun < _GRAZE
+        return 0 if held else self._begin_slip(t, y)
 
 
 def _flow(fuse: Device, direction: int) -> Callable[[float, State], None]:

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
+from base_scenes import base_scene
 from checkout import ROOT
 from compliant_wall import CompliantWall, Device
 
@@ -217,10 +219,19 @@ def with_devices(placed: bool, base: str = "", **options: float) -> tuple[str, C
     return text, wall, [1.2]
 
 
+def yielding_frame() -> tuple[str, CompliantWall, list]:
+    """Return a scene with a frame that yields, a slip and fuses."""
+    text, wall, knots = with_devices(False, ", mu=0.12", mu=0.12)
+    wall.roof = Device(0.0, strength=0.05 * wall.omega_s**2, stroke_y=0.05, hardening=0.1)
+    wall.springs = [*wall.fuses, wall.roof]
+    return f"{text}\n&yielding u_y=0.05, hardening=0.1 /", wall, knots
+
+
 SCENES |= {
     "fuses and dampers": with_devices(False),
     "fuses, dampers, slip": with_devices(False, ", mu=0.12", mu=0.12),
     "placed fuses, slip": with_devices(True, ", mu=0.12", mu=0.12),
+    "yielding frame": yielding_frame(),
     "placed fuses, crushing": with_devices(True, ", d_y=1.2e-3, strips=16", strips=16, d_y=1.2e-3),
 }
 
@@ -249,8 +260,20 @@ def test_second_program(name: str) -> None:
             assert response["base_slip"].values == pytest.approx(
                 rows[:, 0], abs=bound * np.max(np.abs(rows[:, 0]))
             )
+        if wall.roof:
+            assert float(response.ductility) == pytest.approx(wall.peaks["u"] / 0.05, rel=bound)
         if wall.fuses:
             assert float(response.fuse_stroke_max) == pytest.approx(wall.peaks["stroke"], rel=bound)
+
+
+@pytest.mark.filterwarnings("ignore::rwmf.RwmfWarning")
+@pytest.mark.parametrize("number", range(18))
+def test_random_scene(number: int, tmp_path: Path) -> None:
+    """The peaks of random scenes are those of the second program (`bench/base_survey.py`)."""
+    scene_ = base_scene(number, tmp_path)
+    truth = scene_.second_peaks()
+    for name, peak in scene_.peaks(1e-9, tmp_path).items():
+        assert peak == pytest.approx(truth[name], rel=3e-8)
 
 
 CRUSHING = (
@@ -264,7 +287,8 @@ CRUSHING = (
         SCENES["frame, tendon, slip"][0],
         LOOSE.format(", mu=0.3"),
         CRUSHING.replace("0.5, T", "0.3, T"),
-        *(SCENES[name][0] for name in SCENES if "fuses" in name),
+        *(SCENES[name][0] for name in SCENES if "fuses" in name or "yielding" in name),
+        SCENES["yielding frame"][0].replace("u_y", "law='pinched', cap=4.0, post_cap=20.0, u_y"),
         f"{CRUSHING}\n&fuse eta_y=0.2, stroke_y=0.005, law='flag', hardening=0.03 /",
         f"{CRUSHING}\n&fuse eta_y=0.2, stroke_y=0.005, law='friction', breakaway=1.3 /",
     ],
@@ -378,6 +402,11 @@ def test_rows_are_runs() -> None:
         (
             "&base k_t_over_m_w=1e4 /\n&nl_damper eta_1=1.0, exponent=0.5 /",
             "&nl_damper.*must not be given with",
+        ),
+        (
+            "&base k_t_over_m_w=1e4 /\n&frame gamma=1.0, T_s=1.0, xi_s=0.05 /\n"
+            "&yielding u_y=0.05, law='bouc_wen' /",
+            "&yielding.*must not be given with &base beside &storeys, ultimate or law",
         ),
     ],
 )

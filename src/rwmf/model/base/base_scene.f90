@@ -9,6 +9,8 @@ module rwmf_model_base_base_scene
    use rwmf_model_hysteresis_spring_laws, only: load_spring, new_branch, new_spring, spring_force
    use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_problem_case, only: base_t, case_t, devices_t, has_all_modes, has_floors
+   use rwmf_problem_frame_strength, only: frame_hardening, frame_law, has_strength, &
+      yield_displacement
    use rwmf_problem_shear_frame, only: damping_matrix, roof_factor, shear_frame_t, stiffness_matrix
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -33,7 +35,7 @@ module rwmf_model_base_base_scene
       real(wp) :: excited(2) = 0
       !! their mass that the ground motion excites [-]
       real(wp), allocatable :: k(:, :)
-      !! (2 + free, 2 + free) stiffness for w [1/s2]
+      !! (2 + free, 2 + free) stiffness for w, without a spring that yields [1/s2]
       real(wp), allocatable :: c(:, :)
       !! (2 + free, 2 + free) damping for w [1/s]
    end type base_frame_t
@@ -75,7 +77,9 @@ module rwmf_model_base_base_scene
       type(element_t), allocatable :: devices(:)
       !! fuses and dampers under the base, fuses first
       type(spring_t), allocatable :: springs(:)
-      !! those of the fuses
+      !! those of the fuses, then that of a frame that yields
+      integer :: fuses = 0
+      !! number of fuses
       type(base_frame_t) :: frame
    end type base_scene_t
 
@@ -119,6 +123,7 @@ contains
       if (scene%has_tendon) call add_tendon(case, scene)
       allocate (scene%devices(0), scene%springs(0))
       if (allocated(case%fuse)) call add_devices(case%fuse, of_fuse, scene)
+      scene%fuses = size(scene%springs)
       if (allocated(case%damper)) call add_devices(case%damper, of_damper, scene)
       scene%frame%m = [real(wp) ::]
       if (allocated(case%frame)) call add_frame(case, scene)
@@ -227,6 +232,11 @@ contains
             frame%m = [case%frame%gamma]
             k = reshape([case%frame%gamma*omega**2], [1, 1])
             c = 2*case%frame%xi_s/omega*k
+            if (has_strength(case)) then
+               scene%springs = [scene%springs, new_spring(k(1, 1), k(1, 1) &
+                  *yield_displacement(case), frame_hardening(case), law=frame_law(case))]
+               k = 0
+            end if
          end if
          if (has_floors(case)) frame%height = floors%height
          share = spread(1.0_wp, 1, frame%n)
@@ -266,8 +276,9 @@ contains
       real(wp) :: x(size(scene%springs))
 
       associate (half => y(1)/2)
-         x = y(3)*sin(half) + (y(5) - scene%z_0)*cos(half) - 2*sin(half)*scene%devices(:size(x)) &
-            %offset
+         x = y(3) + 2*scene%h*sin(y(1)) + 2*scene%b*sin(half)**2
+         x(:scene%fuses) = y(3)*sin(half) + (y(5) - scene%z_0)*cos(half) - 2*sin(half) &
+            *scene%devices(:scene%fuses)%offset
       end associate
    end function elongations
 
@@ -337,12 +348,12 @@ contains
       !! [rad]
       real(wp), intent(in) :: z
       !! height of the middle of the base [m]
-      real(wp) :: span(2), y(6)
-      !! of the tendon [m], and states
+      real(wp) :: span(2), y(6), pull(size(scene%springs))
+      !! of the tendon [m], states, forces of the springs [m/s2]
 
       y = [theta, 0.0_wp, 0.0_wp, 0.0_wp, z, 0.0_wp]
-      force = scene%g + cos(theta/2)*sum(spring_force(scene%springs, loaded_springs(scene, y), &
-         elongations(scene, y)))
+      pull = spring_force(scene%springs, loaded_springs(scene, y), elongations(scene, y))
+      force = scene%g + cos(theta/2)*sum(pull(:scene%fuses))
       if (.not. scene%has_tendon) return
       span = [2*scene%h*sin(theta), z + 2*scene%h*cos(theta)]
       force = force + scene%g*max(0.0_wp, scene%eta_0 + scene%eta_slope*(norm2(span) &

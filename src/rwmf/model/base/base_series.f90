@@ -207,7 +207,7 @@ contains
          end if
          if (scene%has_tendon) call expand_tendon(n, scene, mode, series)
          if (size(scene%devices) > 0) call expand_devices(n, scene, mode, series)
-         if (scene%frame%n > 0) call expand_frame(n, scene, series)
+         if (scene%frame%n > 0) call expand_frame(n, scene, mode, series)
          call accelerate(n, scene, mode, series)
          if (n < highest_order) call continue_states(n + 1, series)
       end do
@@ -408,9 +408,10 @@ contains
    end subroutine expand_devices
 
    !> Expand the forces of storeys, dampers and links on w.
-   pure subroutine expand_frame(n, scene, series)
+   pure subroutine expand_frame(n, scene, mode, series)
       integer, intent(in) :: n
       type(base_scene_t), intent(in) :: scene
+      type(base_mode_t), intent(in) :: mode
       type(base_series_t), intent(inout) :: series
       integer :: i, j
 
@@ -423,6 +424,12 @@ contains
                   + frame%c(2 + j, i)*of%q_dot(n, j)
             end do
             if (i > 2) of%q_ddot(n, i - 2) = -of%force(n, i)/frame%m(i - 2) - of%ground(n)
+         end do
+         do i = scene%fuses + 1, size(scene%springs)
+            of%device%stretch(n, i) = of%x(n) + of%u(n)
+            of%device%stretch_dot(n, i) = of%x_dot(n) + of%u_dot(n)
+            of%force(n, :) = of%force(n, :) + mode%springs(i)%slope*of%device%stretch(n, i)
+            if (n == 0) of%force(n, :) = of%force(n, :) + mode%springs(i)%offset
          end do
       end associate
    end subroutine expand_frame

@@ -23,7 +23,8 @@ module rwmf_simulation_base_base_record
 
    public :: base_record_t, create_record, find_columns, observe_step, stored_t, stored_energies
    public :: of_u, of_theta, of_rate, of_middle, of_left, of_right, of_normal, of_shear
-   public :: of_contact, of_slip, of_tendon, of_stress, of_total, of_drift, first_floor, first_fuse
+   public :: of_contact, of_slip, of_tendon, of_stress, of_total, of_drift, first_floor
+   public :: first_spring
 
    integer, parameter :: of_u = 1, of_theta = 2, of_rate = 3
    !! u_s [m], theta [rad], theta' [rad/s]
@@ -43,8 +44,8 @@ module rwmf_simulation_base_base_record
    !! base shear of wall and frame over their weight [-], displacement of the wall's top over its
    !! height [-]
    integer, parameter :: first_floor = 20
-   !! drifts [-] of all storeys, then accelerations of all floors over g [-]; strokes [m] and forces
-   !! over m_w g [-] of all fuses follow, from `first_fuse`
+   !! drifts [-] of all storeys, then accelerations of all floors over g [-]; elongations [m] and
+   !! forces over the weight of wall or frame [-] of all springs follow, from `first_spring`
 
    !> Column of the history.
    type :: history_column_t
@@ -65,7 +66,7 @@ module rwmf_simulation_base_base_record
       real(wp) :: stress = 0
       !! largest stress of strips over k [m]
       real(wp), allocatable :: travel(:)
-      !! (fuses) sum of all strokes there and back [m]
+      !! (springs) sum of all strokes there and back [m]
       logical :: keeps_energy = .false.
       type(energy_t) :: energy
       real(wp) :: base_start = 0
@@ -96,12 +97,12 @@ module rwmf_simulation_base_base_record
 
 contains
 
-   !> First column of the fuses.
-   pure integer function first_fuse(scene)
+   !> First column of the springs.
+   pure integer function first_spring(scene)
       type(base_scene_t), intent(in) :: scene
 
-      first_fuse = first_floor + 2*scene%frame%n
-   end function first_fuse
+      first_spring = first_floor + 2*scene%frame%n
+   end function first_spring
 
    !> Allocate the columns that a case requests.
    subroutine create_record(case, scene, regime, y, record, error)
@@ -118,7 +119,7 @@ contains
       integer :: n
 
       has_shear = .true.
-      n = first_fuse(scene) - 1 + 2*size(scene%springs)
+      n = first_spring(scene) - 1 + 2*size(scene%springs)
       allocate (record%series(0:highest_order, n), source=0.0_wp)
       allocate (record%is_sought(n), source=.false.)
       allocate (record%extremes(2, n), record%times(2, n), source=0.0_wp)
@@ -144,8 +145,8 @@ contains
          sought(of_total) = output%reactions .and. has_shear .and. seeks(output, &
             [id%base_shear_max_over_weight, id%t_base_shear_max_s])
          sought(of_drift) = output%reactions .and. seeks(output, [id%wall_drift_max])
-         sought(first_floor:first_fuse(scene) - 1) = output%demands
-         sought(first_fuse(scene):) = output%envelopes
+         sought(first_floor:first_spring(scene) - 1) = output%demands
+         sought(first_spring(scene):) = output%envelopes
          record%keeps_energy = output%energy
          stored = stored_energies(scene, regime, y)
          record%base_start = stored%base
@@ -183,10 +184,9 @@ contains
       type(base_record_t), intent(inout) :: record
       !! with an allocated history
       character(key_length), allocatable :: names(:)
-      integer :: i, n, fuses, column
+      integer :: i, n, column
 
-      fuses = size(scene%springs)
-      n = 40 + 2*(scene%frame%n + fuses)
+      n = 40 + 2*(scene%frame%n + size(scene%springs))
       allocate (names(n), record%columns(n))
       n = 0
       call add(id%t_s, 0)
@@ -198,9 +198,11 @@ contains
       call add(id%u_g_ddot_m_s2, of_ground)
       if (allocated(case%upward)) call add(id%v_g_ddot_m_s2, of_upward)
       if (scene%has_tendon) call add(id%cable_force_over_m_w_g, of_tendon)
-      do i = 1, fuses
-         column = first_fuse(scene) + fuses + i - 1
-         if (allocated(case%fuse%offset)) then
+      do i = 1, size(scene%springs)
+         column = first_spring(scene) + size(scene%springs) + i - 1
+         if (i > scene%fuses) then
+            call add(id%frame_force_over_m_s_g, column)
+         else if (allocated(case%fuse%offset)) then
             call add(id%fuse_i_force_over_m_w_g, column, i)
          else
             call add(merge(id%fuse_left_force_over_m_w_g, id%fuse_right_force_over_m_w_g, i == 1), &
@@ -261,7 +263,7 @@ contains
       type(base_record_t) :: record
       integer :: i
 
-      allocate (record%series(0:highest_order, first_fuse(scene) - 1 + 2*size(scene%springs)), &
+      allocate (record%series(0:highest_order, first_spring(scene) - 1 + 2*size(scene%springs)), &
          source=0.0_wp)
       allocate (record%is_sought(0), record%history)
       call name_columns(case, scene, record)
@@ -294,7 +296,7 @@ contains
       end do
       if (scene%strips > 0 .and. record%is_sought(of_stress)) call observe_strips(scene, regime, &
          h, series, record%stress)
-      if (any(record%is_sought(first_fuse(scene):))) then
+      if (any(record%is_sought(first_spring(scene):))) then
          do i = 1, size(record%travel)
             record%travel(i) = record%travel(i) &
                + path_length(series%device%stretch(:series%order, i), h)
@@ -360,6 +362,8 @@ contains
       type(base_regime_t), intent(in) :: regime
       type(base_series_t), intent(in) :: series
       type(base_record_t), intent(inout) :: record
+      real(wp) :: weight
+      !! of wall or frame over m_w [m/s2]
       integer :: i, k, n
 
       n = series%order
@@ -397,11 +401,13 @@ contains
          column(:n, of_total) = (of%shear(:n) - of%force(:n, 1) - of%anchor(:n)) &
             /(scene%g*(1 + scene%frame%mass(1, 1) + sum(scene%frame%m(:scene%frame%free))))
          do i = 1, size(scene%springs)
-            k = first_fuse(scene) + i - 1
+            k = first_spring(scene) + i - 1
             column(:n, k) = of%device%stretch(:n, i)
             k = k + size(scene%springs)
-            column(:n, k) = regime%springs(i)%slope/scene%g*of%device%stretch(:n, i)
-            column(0, k) = column(0, k) + regime%springs(i)%offset/scene%g
+            weight = scene%g
+            if (i > scene%fuses) weight = scene%g*sum(scene%frame%m)
+            column(:n, k) = regime%springs(i)%slope/weight*of%device%stretch(:n, i)
+            column(0, k) = column(0, k) + regime%springs(i)%offset/weight
          end do
          column(:n, of_drift) = (of%x(:n) + 2*scene%h*of%turn%sine(:n))/(2*scene%h)
       end associate
@@ -551,6 +557,8 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) as of `set_state`
       real(wp) :: w(2 + scene%frame%free), rate(2 + scene%frame%free)
+      real(wp) :: elastic(size(scene%springs))
+      !! energies of the springs [J/kg]
       real(wp) :: s, c, stretch
 
       s = sin(y(1))
@@ -570,7 +578,9 @@ contains
             if (.not. regime%is_taut) stretch = -scene%eta_0/scene%eta_slope
             stored%cable = scene%g*stretch*(scene%eta_0 + scene%eta_slope*stretch/2)
          end if
-         stored%fuses = sum(spring_energy(scene%springs, regime%springs, elongations(scene, y)))
+         elastic = spring_energy(scene%springs, regime%springs, elongations(scene, y))
+         stored%fuses = sum(elastic(:scene%fuses))
+         stored%strain = stored%strain + sum(elastic(scene%fuses + 1:))
          if (scene%strips > 0) then
             stored%base = sum(min(scene%d_y, max(0.0_wp, scene%place*s - z - regime%depth))**2) &
                *scene%width

@@ -4,13 +4,12 @@ module rwmf_simulation_base_base_result
    use rwmf_model_base_base_regime, only: base_regime_t
    use rwmf_model_base_base_scene, only: base_scene_t, elongations
    use rwmf_model_elements, only: of_fuse
-   use rwmf_model_hysteresis_spring_laws, only: spring_loss
+   use rwmf_model_hysteresis_spring_laws, only: spring_loss, spring_residual
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_base_base_record, only: base_record_t, first_floor, first_fuse, of_contact, &
-      of_drift, &
-      of_left, of_middle, of_normal, of_rate, of_right, of_shear, of_slip, of_stress, of_tendon, &
-      of_theta, of_total, of_u, stored_energies, stored_t
+   use rwmf_simulation_base_base_record, only: base_record_t, first_floor, first_spring, &
+      of_contact, of_drift, of_left, of_middle, of_normal, of_rate, of_right, of_shear, of_slip, &
+      of_stress, of_tendon, of_theta, of_total, of_u, stored_energies, stored_t
    use rwmf_simulation_state_result, only: element_extremes_t, event_t, result_t, value_t
    implicit none
    private
@@ -79,6 +78,7 @@ contains
       !! (states) at the end
       type(result_t), intent(inout) :: result
       real(wp) :: stress
+      integer :: i
 
       allocate (result%further(0))
       associate (low => record%extremes(1, :), high => record%extremes(2, :), &
@@ -102,6 +102,14 @@ contains
       call add(scene%slides, id%slips, real(regime%slips, wp))
       call add(.true., id%flights, real(regime%flights, wp))
       call add(regime%flights > 0, id%t_flight_first_s, regime%t_flight)
+      do i = scene%fuses + 1, size(scene%springs)
+         associate (spring => scene%springs(i), u => y(3) + 2*scene%h*sin(y(1)) &
+                    + 2*scene%b*sin(y(1)/2)**2)
+            call add(.true., id%ductility, result%u_s_max*spring%stiffness/spring%yield)
+            call add(.true., id%residual_displacement_m, spring_residual(spring, &
+               regime%springs(i), u))
+         end associate
+      end do
       if (scene%strips == 0) return
       associate (depth => depth_at_end(scene, regime, y))
          call add(.true., id%crushed_depth_max_m, maxval(depth))
@@ -184,9 +192,9 @@ contains
       integer :: i, stroke, force
 
       allocate (result%envelopes)
-      allocate (result%envelopes%elements(size(scene%springs)))
-      do i = 1, size(scene%springs)
-         stroke = first_fuse(scene) + i - 1
+      allocate (result%envelopes%elements(scene%fuses))
+      do i = 1, scene%fuses
+         stroke = first_spring(scene) + i - 1
          force = stroke + size(scene%springs)
          result%envelopes%elements(i) = element_extremes_t(of_fuse, record%extremes(:, stroke), &
             record%travel(i), record%extremes(:, force), record%series(0, force))
@@ -206,7 +214,7 @@ contains
       type(result_t), intent(inout) :: result
       type(stored_t) :: stored
       real(wp) :: base, plastic
-      !! dissipated by base and fuses [J/kg]
+      !! dissipated by base and springs [J/kg]
 
       stored = stored_energies(scene, regime, y)
       base = record%base_work - (stored%base - record%base_start)
