@@ -2,6 +2,7 @@
 
     .venv/bin/python bench/tables.py NAME [...]
 
+base          time of runs on a base that gives over the rigid one (developer/decisions.md, 37)
 fragility     share of 1,000 trials whose 95 % band holds the true value (developer/bench.md)
 hosts         time of walls that step with a host in Python (howto/stepping-python.md)
 pinned        share of periods at which a wall amplifies the frame's motion (reference/effects.md)
@@ -35,6 +36,31 @@ Rows = Iterator[Sequence[object]]
 WALL = {"h": 2.0, "b": 0.5}
 CABLE = {"eta_0": 1.0, "eta_alpha": 5.0}
 COUPLED = {"rule": "coupled"}
+
+
+def base() -> Rows:
+    """Run El Centro with frame and straight tendon, in turn; fastest of 15 processor times."""
+    groups = {
+        "wall": WALL, "frame": {"T_s": 1.0, "gamma": 5.0, "xi_s": 0.05}, "motion": RECORD,
+        "cable": CABLE | {"law": "truss"}, "model": {"formulation": "exact"},
+    }  # fmt: skip
+    bases = {"rigid": None, **{f"kappa = {k:.0e}": {"k_t_over_m_w": k} for k in (2e3, 2e4, 2e5)}}
+    soft = {"k_t_over_m_w": 2e4}
+    bases |= {"2e+04, slides": soft | {"mu": 0.2}, "2e+04, crushes": soft | {"d_y": 2e-3}}
+    yield "base", "without outputs (ms)", "over rigid", "with outputs (ms)", "over rigid"
+    columns = []
+    for output in ({}, {"reactions": True, "energy": True}):
+        calls = {}
+        for name, keys in bases.items():
+            given = groups if keys is None else groups | {"base": keys | {"xi": 0.2}}
+            case = rwmf.Case(
+                **given, solver={"rtol": 1e-8}, output=output | {"conditioning": False}
+            )
+            calls[name] = partial(spent, partial(rwmf.simulate, case))
+        columns.append(least(calls, 15))
+    for name in bases:
+        cells = (x for found in columns for x in (1e3 * found[name], found[name] / found["rigid"]))
+        yield name, *map("{:.1f}".format, cells)
 
 
 def fragility() -> Rows:
@@ -258,7 +284,7 @@ def verification() -> Rows:
     yield words, f"{truth:.6f}", f"{found:.6f}", f"{abs(found / truth - 1):.0e}"
 
 
-TABLES = (fragility, hosts, pinned, start_up, suite, tendons, verification)
+TABLES = (base, fragility, hosts, pinned, start_up, suite, tendons, verification)
 
 if __name__ == "__main__":
     for name in sys.argv[1:]:

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
+from base_scenes import base_scene
 from checkout import ROOT
-from compliant_wall import CompliantWall
+from compliant_wall import CompliantWall, Device
 
 G = 9.81
 
@@ -25,7 +27,7 @@ def scene(groups: str, **solver: object) -> rwmf.Case:
 
 def run(case: rwmf.Case, dt: float | None = None) -> rwmf.Response:
     """Run a case with energies, without sensitivities."""
-    output: dict[str, object] = {"energy": True, "conditioning": False}
+    output: dict[str, object] = {"energy": True, "reactions": True, "conditioning": False}
     if dt is not None:
         output["dt"] = dt
     return rwmf.simulate(case.replace(output=output))
@@ -83,9 +85,10 @@ def test_rest_under_a_held_rotation() -> None:
 
 @pytest.mark.parametrize("d_y", [1.0, 1.2e-3])
 def test_rest_on_strips(d_y: float) -> None:
-    """Strips bear the weight and the tendon at the start, those beyond their strength as well."""
+    """Strips bear weight, tendon and fuses at the start, those beyond their strength as well."""
     case = scene(
         f"{FREE}, d_y={d_y}, strips=40 /\n&cable eta_0=0.5, eta_alpha=1.5, law='truss' /\n"
+        "&fuse offset=-0.5, 0.1, eta_y=0.1, stroke_y=0.3, 0.005 /\n"
         "&initial theta_over_alpha=0.2 /",
         t_end=0.1,
     )
@@ -93,7 +96,10 @@ def test_rest_on_strips(d_y: float) -> None:
     force = float(response["cable_force_over_m_w_g"][0])
     theta, z = 0.2 * math.atan2(0.5, 2.0), float(response["base_height"][0])
     span = np.array([4 * math.sin(theta), z + 4 * math.cos(theta)])
-    expected = 1 + force * span[1] / math.hypot(*span)
+    fuses = [float(response[f"fuse_{i}_force_over_m_w_g"][0]) for i in (1, 2)]
+    lift = (z + 9.81 * 1.5 / 2e4) * math.cos(theta / 2)
+    assert fuses[0] == pytest.approx((lift + math.sin(theta / 2)) / 3, rel=1e-12)
+    expected = 1 + force * span[1] / math.hypot(*span) + sum(fuses) * math.cos(theta / 2)
     assert float(response["base_normal_over_m_w_g"][0]) == pytest.approx(expected, rel=1e-12)
     assert (float(response.crushed_right) > 0) == (d_y < 1)
 
@@ -180,14 +186,65 @@ SCENES: dict[str, tuple[str, CompliantWall, list[float]]] = {
 }
 
 
+FUSES = "&fuse eta_y=0.2, stroke_y=0.005, hardening=0.02 /\n&damper c_over_m_w=2.0 /"
+PLACED = "&fuse offset=-0.5, 0.2, 1.4, eta_y=0.2, stroke_y=0.005 /"
+
+
+def devices(placed: bool) -> list[Device]:
+    """Return the devices of `FUSES` or `PLACED`."""
+    if placed:
+        return [Device(d, strength=0.2 * G, stroke_y=0.005) for d in (-0.5, 0.2, 1.4)]
+    fuses = [Device(d, strength=0.2 * G, stroke_y=0.005, hardening=0.02) for d in (-1, 1)]
+    return [*fuses, Device(-1, c=2.0), Device(1, c=2.0)]
+
+
+def with_devices(placed: bool, base: str = "", **options: float) -> tuple[str, CompliantWall, list]:
+    """Return a scene with devices under the base."""
+    text = (
+        "&wall h=4.0, b=1.0 /\n&frame gamma=5.0, T_s=0.8, xi_s=0.05 /\n"
+        f"&base k_t_over_m_w=2.0e4, xi=0.2{base} /\n{PLACED if placed else FUSES}\n{PULSE}"
+    )
+    wall = CompliantWall(
+        4.0,
+        1.0,
+        2e4,
+        delay(0.2, 1.0, 2e4),
+        gamma=5.0,
+        omega_s=2 * math.pi / 0.8,
+        xi_s=0.05,
+        ground=sine(0.5, 1.2),
+        devices=devices(placed),
+        **options,
+    )
+    return text, wall, [1.2]
+
+
+def yielding_frame() -> tuple[str, CompliantWall, list]:
+    """Return a scene with a frame that yields, a slip and fuses."""
+    text, wall, knots = with_devices(False, ", mu=0.12", mu=0.12)
+    wall.roof = Device(0.0, strength=0.05 * wall.omega_s**2, stroke_y=0.05, hardening=0.1)
+    wall.springs = [*wall.fuses, wall.roof]
+    return f"{text}\n&yielding u_y=0.05, hardening=0.1 /", wall, knots
+
+
+SCENES |= {
+    "fuses and dampers": with_devices(False),
+    "fuses, dampers, slip": with_devices(False, ", mu=0.12", mu=0.12),
+    "placed fuses, slip": with_devices(True, ", mu=0.12", mu=0.12),
+    "yielding frame": yielding_frame(),
+    "placed fuses, crushing": with_devices(True, ", d_y=1.2e-3, strips=16", strips=16, d_y=1.2e-3),
+}
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_second_program(name: str) -> None:
     """Newton and Euler's equations in SciPy give the same motion; errors follow the tolerance."""
     text, wall, knots = SCENES[name]
     # one of the walls overturns after a second
     times = np.round(np.arange(0.0, 1.01, 0.05), 9)
-    rows, slips = wall.run(np.unique([*times, *knots]))
-    rows = rows[np.isin(np.unique([*times, *knots]), times)]
+    pieces = np.unique([*times, *(knot for knot in knots if knot < times[-1])])
+    rows, slips = wall.run(pieces)
+    rows = rows[np.isin(pieces, times)]
     for rtol in (1e-6, 1e-9, 1e-12):
         response = run(scene(text, t_end=1.0, rtol=rtol), dt=0.05)
         # the second program itself is exact to some 1e-9 after flights
@@ -203,6 +260,20 @@ def test_second_program(name: str) -> None:
             assert response["base_slip"].values == pytest.approx(
                 rows[:, 0], abs=bound * np.max(np.abs(rows[:, 0]))
             )
+        if wall.roof:
+            assert float(response.ductility) == pytest.approx(wall.peaks["u"] / 0.05, rel=bound)
+        if wall.fuses:
+            assert float(response.fuse_stroke_max) == pytest.approx(wall.peaks["stroke"], rel=bound)
+
+
+@pytest.mark.filterwarnings("ignore::rwmf.RwmfWarning")
+@pytest.mark.parametrize("number", range(18))
+def test_random_scene(number: int, tmp_path: Path) -> None:
+    """The peaks of random scenes are those of the second program (`bench/base_survey.py`)."""
+    scene_ = base_scene(number, tmp_path)
+    truth = scene_.second_peaks()
+    for name, peak in scene_.peaks(1e-9, tmp_path).items():
+        assert peak == pytest.approx(truth[name], rel=3e-8)
 
 
 CRUSHING = (
@@ -216,6 +287,10 @@ CRUSHING = (
         SCENES["frame, tendon, slip"][0],
         LOOSE.format(", mu=0.3"),
         CRUSHING.replace("0.5, T", "0.3, T"),
+        *(SCENES[name][0] for name in SCENES if "fuses" in name or "yielding" in name),
+        SCENES["yielding frame"][0].replace("u_y", "law='pinched', cap=4.0, post_cap=20.0, u_y"),
+        f"{CRUSHING}\n&fuse eta_y=0.2, stroke_y=0.005, law='flag', hardening=0.03 /",
+        f"{CRUSHING}\n&fuse eta_y=0.2, stroke_y=0.005, law='friction', breakaway=1.3 /",
     ],
 )
 def test_ledger(text: str) -> None:
@@ -223,24 +298,31 @@ def test_ledger(text: str) -> None:
     response = run(scene(text, rtol=1e-12))
     assert float(response.energy_balance_relative) < 1e-10
     assert float(response.energy_base) > 0
+    if "&fuse" in text:
+        assert float(response.energy_hysteretic_end) > 0
 
 
-def test_mirror() -> None:
-    """The reversed motion mirrors a wall without a frame."""
-    case = scene(CRUSHING.replace("0.5, T", "0.3, T"))
-    one = run(case)
-    other = run(scene(CRUSHING.replace("a_max_g=0.5", "a_max_g=-0.3")))
+@pytest.mark.parametrize("offset", ["", "offset={}0.4, {}1.2, "])
+def test_mirror(offset: str) -> None:
+    """The reversed motion mirrors a wall without a frame, its fuses at mirrored places."""
+    fuse = f"\n&fuse {offset}eta_y=0.1, stroke_y=0.005 /"
+    weak = CRUSHING.replace("0.5, T", "0.3, T")
+    one = run(scene(weak + fuse.format("", "-")))
+    other = run(scene(weak.replace("0.3, T", "-0.3, T") + fuse.format("-", "")))
+    forces = [response.fuses_force_end_over_m_w_g.values for response in (one, other)]
+    assert forces[0] == pytest.approx(forces[1] if offset else forces[1][::-1], rel=1e-8)
     assert float(other.crushed_left) == pytest.approx(float(one.crushed_right), rel=1e-9)
     assert float(other.theta_end_over_alpha) == pytest.approx(-float(one.theta_end_over_alpha))
 
 
 def test_scale() -> None:
     """Lengths times four and times times two give the same rotations."""
-    one = run(scene(f"{FREE}, xi=0.2, mu=0.3 /\n{PULSE}"))
+    device = "&fuse eta_y=0.05, stroke_y={} /\n&damper c_over_m_w={} /\n"
+    one = run(scene(f"{FREE}, xi=0.2, mu=0.3 /\n{device.format(0.005, 0.4)}{PULSE}"))
     other = run(
         scene(
             "&wall h=8.0, b=2.0 /\n&base k_t_over_m_w=1.25e3, xi=0.2, mu=0.3 /\n"
-            "&motion kind='one_sine', a_max_g=0.5, T_p=2.4 /",
+            f"{device.format(0.02, 0.2)}&motion kind='one_sine', a_max_g=0.5, T_p=2.4 /",
             t_end=6.0,
         )
     )
@@ -266,13 +348,16 @@ def test_limits_of_friction_and_strength() -> None:
     assert errors[2] < errors[1] / 4 < errors[0] / 16
 
 
-def test_stiff_base() -> None:
+@pytest.mark.parametrize(
+    "device", ["", "&fuse eta_y=0.2, stroke_y=1.0 /\n&damper c_over_m_w=2.0 /"]
+)
+def test_stiff_base(device: str) -> None:
     """The response converges with the root of the stiffness, like the contact length.
 
     The limit is a wall whose middle moves vertically only: it differs from one that turns about a
     rigid corner by the versine of the rotation.
     """
-    wall = "&wall h=4.0, b=1.0 /\n&initial theta_over_alpha=0.5 /\n"
+    wall = f"&wall h=4.0, b=1.0 /\n&initial theta_over_alpha=0.5 /\n{device}\n"
     last = np.array(
         [
             float(run(scene(wall + base, t_end=0.4), dt=0.4)["theta"][-1])
@@ -314,7 +399,15 @@ def test_rows_are_runs() -> None:
             "'auto' or 'taylor' with &base",
         ),
         ("&base k_t_over_m_w=1e4 /\n&cable eta_0=0.5 /", "law.*'truss' with &base"),
-        ("&base k_t_over_m_w=1e4 /\n&damper c_over_m_w=1.0 /", "&damper.*must not be given with"),
+        (
+            "&base k_t_over_m_w=1e4 /\n&nl_damper eta_1=1.0, exponent=0.5 /",
+            "&nl_damper.*must not be given with",
+        ),
+        (
+            "&base k_t_over_m_w=1e4 /\n&frame gamma=1.0, T_s=1.0, xi_s=0.05 /\n"
+            "&yielding u_y=0.05, law='bouc_wen' /",
+            "&yielding.*must not be given with &base beside &storeys, ultimate or law",
+        ),
     ],
 )
 def test_refusals(groups: str, message: str) -> None:

@@ -137,15 +137,17 @@ module rwmf_integrator_series_series_lanes
       logical :: seeks_speed = .false.
       ! demands: sums of terms
       real(wp), allocatable :: rows(:, :, :, :)
-      !! (lanes, terms, sides, demands) factors of the terms; not allocated without demands
+      !! (lanes, terms, sides, demands) factors of the terms [unit of the demand over that of the
+      !! term]; not allocated without demands
       real(wp), allocatable :: level(:, :)
-      !! (lanes, demands) largest value so far
+      !! (lanes, demands) largest value so far [unit of the demand]
       real(wp), allocatable :: two_sided(:)
       !! (demands) 1 if the magnitude counts, 0 if only the value does [-]
       real(wp), allocatable :: exceeds(:, :)
       !! (lanes, demands) the present step may exceed the level [-]
       real(wp) :: base(series_width, 0:most_terms_of_series - 2, demand_terms - 1)
-      !! series of the terms in the time over the length h
+      !! series of the terms in the time over the length h [m/s2] for the ground, else [rad] and its
+      !! rates
       logical :: needs_all_terms = .false.
       !! a demand has other terms than accelerations
       ! impacts

@@ -8,9 +8,11 @@ module rwmf_model_base_base_regime
    use rwmf_core_kinds, only: wp
    use rwmf_math_polynomial_roots, only: first_negative
    use rwmf_math_power_series, only: product_term, series_value
-   use rwmf_model_base_base_scene, only: base_scene_t
+   use rwmf_model_base_base_scene, only: base_scene_t, loaded_springs
    use rwmf_model_base_base_series, only: at_edge, at_first, at_second, base_mode_t, &
       base_series_t, expand, is_crushing, is_off, is_pressed, is_settled, set_state
+   use rwmf_model_hysteresis_spring_laws, only: loading_direction, pass_limit, spring_limits, &
+      turn_spring
    use rwmf_model_series_series_motion, only: highest_order
    implicit none
    private
@@ -27,7 +29,8 @@ module rwmf_model_base_base_regime
    integer, parameter :: of_overturning = 10
    !! and 11: theta reaches the overturning angle on the right and on the left
    integer, parameter :: before_strips = 11
-   !! three functions for each strip follow: its settlement, its stress, its limit
+   !! three functions for each strip follow: its settlement, its stress, its limit; then three for
+   !! each spring: upper and lower limit of its elongation, and its rate
 
    !> Regime of the motion and the functions whose roots have just been passed.
    type, extends(base_mode_t) :: base_regime_t
@@ -64,7 +67,9 @@ contains
       regime%is_met(1:3:2) = -scene%b*a - b >= 0
       regime%is_met(2:4:2) = scene%b*a - b >= 0
       regime%is_met(of_cross) = b(1)*a(2) - b(2)*a(1) > 0
-      allocate (regime%passed(before_strips + 3*scene%strips), source=.false.)
+      allocate (regime%passed(before_strips + 3*(scene%strips + size(scene%springs))), &
+         source=.false.)
+      regime%springs = loaded_springs(scene, y)
       call find_contact(scene, regime)
       if (scene%slides .and. abs(y(4)) > 0) regime%slip = int(sign(1.0_wp, y(4)))
       span = [y(3) + 2*scene%h*a(1), y(5) + 2*scene%h*cos(y(1))]
@@ -151,6 +156,9 @@ contains
                end if
             end if
          end if
+         do k = 1, size(scene%springs)
+            call add_spring(k)
+         end do
          if (scene%has_tendon) call add(of_tendon, merge(1, -1, regime%is_taut)*of%tendon)
          if (scene%slides) then
             if (regime%slip == 0) then
@@ -211,6 +219,24 @@ contains
             end select
          end associate
       end subroutine add_strip
+
+      !> Add the functions that end the branch of a spring.
+      subroutine add_spring(i)
+         integer, intent(in) :: i
+         real(wp) :: room(0:highest_order), low, high
+         integer :: first, direction
+
+         first = before_strips + 3*(scene%strips + i) - 2
+         call spring_limits(scene%springs(i), regime%springs(i), low, high)
+         room(:order) = series%device%stretch(:order, i)
+         room(0) = room(0) - low
+         if (low > -huge(low)) call add(first + 1, room)
+         room(:order) = -series%device%stretch(:order, i)
+         room(0) = high + room(0)
+         if (high < huge(high)) call add(first, room)
+         direction = loading_direction(scene%springs(i), regime%springs(i))
+         if (direction /= 0) call add(first + 2, direction*series%device%stretch_dot(:, i))
+      end subroutine add_spring
    end subroutine collect_functions
 
    !> Find the first function that falls below zero within a step.
@@ -293,6 +319,8 @@ contains
          regime%slips = regime%slips + 1
       else if (number == of_slip) then
          call stop_slip
+      else if (number > before_strips + 3*scene%strips) then
+         call change_spring((number - before_strips + 2)/3 - scene%strips)
       else if (number > before_strips) then
          touched = any(regime%strips == is_pressed .or. regime%strips == is_crushing)
          call change_strip((number - before_strips + 2)/3)
@@ -355,6 +383,26 @@ contains
             regime%strips(i) = is_crushing
          end select
       end subroutine change_strip
+
+      !> Change the branch of a spring, whose new limit may lie at the present elongation.
+      subroutine change_spring(i)
+         integer, intent(in) :: i
+         integer :: first
+         logical :: is_rising
+
+         first = before_strips + 3*(scene%strips + i) - 2
+         associate (spring => scene%springs(i), branch => regime%springs(i))
+            is_rising = number == first
+            if (number == first + 2) then
+               is_rising = loading_direction(spring, branch) < 0
+               call turn_spring(spring, branch, &
+                  series_value(series%device%stretch(:series%order, i), span))
+            else
+               call pass_limit(spring, branch, is_rising)
+            end if
+            regime%passed(first:first + 1) = [.not. is_rising, is_rising]
+         end associate
+      end subroutine change_spring
    end subroutine change_regime
 
 end module rwmf_model_base_base_regime

@@ -5,13 +5,18 @@
 module rwmf_model_base_base_scene
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_problem_case, only: base_t, case_t, has_all_modes, has_floors
+   use rwmf_model_elements, only: element_t, of_damper, of_fuse
+   use rwmf_model_hysteresis_spring_laws, only: load_spring, new_branch, new_spring, spring_force
+   use rwmf_model_spring, only: branch_t, spring_t
+   use rwmf_problem_case, only: base_t, case_t, devices_t, has_all_modes, has_floors
+   use rwmf_problem_frame_strength, only: frame_hardening, frame_law, has_strength, &
+      yield_displacement
    use rwmf_problem_shear_frame, only: damping_matrix, roof_factor, shear_frame_t, stiffness_matrix
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
-   public :: base_scene_t, build_base_scene, settlement_at_rest
+   public :: base_scene_t, build_base_scene, settlement_at_rest, elongations, loaded_springs
 
    !> Floors of the frame and their connection to the wall. All masses are over m_w.
    type :: base_frame_t
@@ -30,7 +35,7 @@ module rwmf_model_base_base_scene
       real(wp) :: excited(2) = 0
       !! their mass that the ground motion excites [-]
       real(wp), allocatable :: k(:, :)
-      !! (2 + free, 2 + free) stiffness for w [1/s2]
+      !! (2 + free, 2 + free) stiffness for w, without a spring that yields [1/s2]
       real(wp), allocatable :: c(:, :)
       !! (2 + free, 2 + free) damping for w [1/s]
    end type base_frame_t
@@ -69,6 +74,12 @@ module rwmf_model_base_base_scene
       !! its increase per length over m_w g [1/m]
       real(wp) :: l_0
       !! its length at rest [m]
+      type(element_t), allocatable :: devices(:)
+      !! fuses and dampers under the base, fuses first
+      type(spring_t), allocatable :: springs(:)
+      !! those of the fuses, then that of a frame that yields
+      integer :: fuses = 0
+      !! number of fuses
       type(base_frame_t) :: frame
    end type base_scene_t
 
@@ -110,6 +121,10 @@ contains
       if (.not. allocated(error)) call check_delay(case%compliant_base, scene, error)
       if (allocated(error)) return
       if (scene%has_tendon) call add_tendon(case, scene)
+      allocate (scene%devices(0), scene%springs(0))
+      if (allocated(case%fuse)) call add_devices(case%fuse, of_fuse, scene)
+      scene%fuses = size(scene%springs)
+      if (allocated(case%damper)) call add_devices(case%damper, of_damper, scene)
       scene%frame%m = [real(wp) ::]
       if (allocated(case%frame)) call add_frame(case, scene)
    end subroutine build_base_scene
@@ -164,6 +179,31 @@ contains
       scene%eta_slope = (sum(case%cable%eta_alpha) - scene%eta_0)/stretch
    end subroutine add_tendon
 
+   !> Add the devices of a group, under the corners unless it gives their places.
+   subroutine add_devices(devices, group, scene)
+      type(devices_t), intent(in) :: devices
+      integer, intent(in) :: group
+      !! number of the group
+      type(base_scene_t), intent(inout) :: scene
+      type(element_t) :: device
+      real(wp), allocatable :: offset(:)
+      integer :: i
+
+      offset = [-scene%b, scene%b]
+      if (allocated(devices%offset)) offset = devices%offset
+      do i = 1, size(offset)
+         device = element_t(group, offset=offset(i))
+         if (allocated(devices%c)) device%c = devices%c(i)
+         if (allocated(devices%eta_y)) then
+            scene%springs = [scene%springs, new_spring(devices%eta_y(i)*scene%g &
+               /devices%stroke_y(i), devices%eta_y(i)*scene%g, devices%hardening(i), &
+               law=devices%law)]
+            device%spring = size(scene%springs)
+         end if
+         scene%devices = [scene%devices, device]
+      end do
+   end subroutine add_devices
+
    !> Add the floors of the frame and their connection to the wall.
    subroutine add_frame(case, scene)
       type(case_t), intent(in) :: case
@@ -192,6 +232,11 @@ contains
             frame%m = [case%frame%gamma]
             k = reshape([case%frame%gamma*omega**2], [1, 1])
             c = 2*case%frame%xi_s/omega*k
+            if (has_strength(case)) then
+               scene%springs = [scene%springs, new_spring(k(1, 1), k(1, 1) &
+                  *yield_displacement(case), frame_hardening(case), law=frame_law(case))]
+               k = 0
+            end if
          end if
          if (has_floors(case)) frame%height = floors%height
          share = spread(1.0_wp, 1, frame%n)
@@ -223,70 +268,96 @@ contains
       end associate
    end subroutine add_frame
 
-   !> Height of the middle of the base under a wall held at a rotation: the base and the vertical
-   !> force of weight and tendon balance [m].
+   !> Elongations of the springs in a state [m].
+   pure function elongations(scene, y) result(x)
+      type(base_scene_t), intent(in) :: scene
+      real(wp), intent(in) :: y(:)
+      !! (states) theta, theta', x, x', z, z' and further ones
+      real(wp) :: x(size(scene%springs))
+
+      associate (half => y(1)/2)
+         x = y(3) + 2*scene%h*sin(y(1)) + 2*scene%b*sin(half)**2
+         x(:scene%fuses) = y(3)*sin(half) + (y(5) - scene%z_0)*cos(half) - 2*sin(half) &
+            *scene%devices(:scene%fuses)%offset
+      end associate
+   end function elongations
+
+   !> Branches of the springs as if they had been loaded slowly up to a state.
+   pure function loaded_springs(scene, y) result(branches)
+      type(base_scene_t), intent(in) :: scene
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(branch_t) :: branches(size(scene%springs))
+      real(wp) :: x(size(scene%springs))
+      integer :: i
+
+      x = elongations(scene, y)
+      branches = new_branch(scene%springs)
+      do i = 1, size(x)
+         call load_spring(scene%springs(i), branches(i), x(i))
+      end do
+   end function loaded_springs
+
+   !> Height of the middle of the base under a wall held at a rotation: the base balances the
+   !> vertical force of weight, tendon and fuses [m].
    pure real(wp) function settlement_at_rest(scene, theta) result(z)
       type(base_scene_t), intent(in) :: scene
       real(wp), intent(in) :: theta
       !! [rad]
-      integer, parameter :: most = 200
-      real(wp) :: slope, s, contact, deep, change
-      integer :: i
-
-      z = scene%z_0
-      s = abs(sin(theta))
-      if (.not. s > 0) return
-      if (scene%strips > 0) then
-         z = settlement_of_strips(scene, s)
-         return
-      end if
-      associate (b => scene%b, kappa => scene%kappa)
-         do i = 1, most
-            deep = b*s - z
-            ! the force is convex in z: Newton's method passes the root at most once
-            contact = min(2*b, deep/s)
-            slope = kappa*contact
-            change = (kappa*contact*(deep - contact*s/2) - weight_on(scene, s, z))/slope
-            z = z + change
-            if (abs(change) <= 4*epsilon(z)*(abs(z) + b*s)) return
-         end do
-      end associate
-   end function settlement_at_rest
-
-   !> Weight and vertical part of the tendon's force on a turned wall, over m_w [m/s2].
-   pure real(wp) function weight_on(scene, s, z) result(force)
-      type(base_scene_t), intent(in) :: scene
-      real(wp), intent(in) :: s
-      !! |sin(theta)| [-]
-      real(wp), intent(in) :: z
-      !! height of the middle of the base [m]
-      real(wp) :: span(2)
-      !! of the tendon [m]
-
-      force = scene%g
-      if (.not. scene%has_tendon) return
-      span = [2*scene%h*s, z + 2*scene%h*sqrt(1 - s**2)]
-      force = force + scene%g*max(0.0_wp, scene%eta_0 + scene%eta_slope*(norm2(span) &
-         - scene%l_0))*span(2)/norm2(span)
-   end function weight_on
-
-   !> The same on strips that crush, by halving [m].
-   pure real(wp) function settlement_of_strips(scene, s) result(z)
-      type(base_scene_t), intent(in) :: scene
-      real(wp), intent(in) :: s
-      !! |sin(theta)| [-]
       integer, parameter :: halvings = 100
       real(wp) :: ends(2)
       !! places where the base bears too much and too little [m]
       integer :: i
 
-      ends = [-scene%b*s - scene%d_y, scene%b*s]
+      z = scene%z_0
+      if (.not. abs(theta) > 0) return
+      ends = [z - scene%b*abs(sin(theta)), scene%b*abs(sin(theta))]
+      do i = 1, halvings
+         if (bearing(scene, theta, ends(1)) > load_on(scene, theta, ends(1))) exit
+         ends(1) = 2*ends(1)
+      end do
       do i = 1, halvings
          z = sum(ends)/2
-         associate (deep => min(scene%d_y, max(0.0_wp, scene%place*s - z)))
-            ends(merge(1, 2, scene%kappa*scene%width*sum(deep) > weight_on(scene, s, z))) = z
-         end associate
+         ends(merge(1, 2, bearing(scene, theta, z) > load_on(scene, theta, z))) = z
       end do
-   end function settlement_of_strips
+   end function settlement_at_rest
+
+   !> Force of the base at rest over m_w [m/s2].
+   pure real(wp) function bearing(scene, theta, z) result(force)
+      type(base_scene_t), intent(in) :: scene
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp), intent(in) :: z
+      !! height of the middle of the base [m]
+      real(wp) :: s, deep, contact
+
+      s = abs(sin(theta))
+      if (scene%strips > 0) then
+         force = scene%kappa*scene%width*sum(min(scene%d_y, max(0.0_wp, scene%place*s - z)))
+      else
+         deep = max(0.0_wp, scene%b*s - z)
+         contact = min(2*scene%b, deep/s)
+         force = scene%kappa*contact*(deep - contact*s/2)
+      end if
+   end function bearing
+
+   !> Weight and vertical force of tendon and fuses on a turned wall, over m_w [m/s2].
+   pure real(wp) function load_on(scene, theta, z) result(force)
+      type(base_scene_t), intent(in) :: scene
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp), intent(in) :: z
+      !! height of the middle of the base [m]
+      real(wp) :: span(2), y(6), pull(size(scene%springs))
+      !! of the tendon [m], states, forces of the springs [m/s2]
+
+      y = [theta, 0.0_wp, 0.0_wp, 0.0_wp, z, 0.0_wp]
+      pull = spring_force(scene%springs, loaded_springs(scene, y), elongations(scene, y))
+      force = scene%g + cos(theta/2)*sum(pull(:scene%fuses))
+      if (.not. scene%has_tendon) return
+      span = [2*scene%h*sin(theta), z + 2*scene%h*cos(theta)]
+      force = force + scene%g*max(0.0_wp, scene%eta_0 + scene%eta_slope*(norm2(span) &
+         - scene%l_0))*span(2)/norm2(span)
+   end function load_on
 
 end module rwmf_model_base_base_scene

@@ -6,7 +6,9 @@ module rwmf_model_base_base_series
    use rwmf_core_kinds, only: wp
    use rwmf_math_power_series, only: product_term, quotient_term, root_term
    use rwmf_model_base_base_scene, only: base_scene_t
+   use rwmf_model_elements, only: line_of_element
    use rwmf_model_series_series_motion, only: highest_order
+   use rwmf_model_spring, only: branch_t
    implicit none
    private
 
@@ -44,6 +46,8 @@ module rwmf_model_base_base_series
       !! (strips) branch of each, one of `is_off` to `is_settled`
       real(wp), allocatable :: depth(:)
       !! (strips) crushed depth of each [m]
+      type(branch_t), allocatable :: springs(:)
+      !! (springs) active branch of each
    end type base_mode_t
 
    !> Series that follow from the rotation.
@@ -79,6 +83,24 @@ module rwmf_model_base_base_series
       !! its force over m_w and its length [1/s2]
    end type tendon_series_t
 
+   !> Series of the devices under the base. The stroke of each is rise - 2 offset sine.
+   type :: device_series_t
+      real(wp), dimension(0:highest_order) :: sine, cosine
+      !! of theta/2 [-]
+      real(wp), dimension(0:highest_order) :: sine_rate, cosine_rate
+      !! cos(theta/2) theta'/2, sin(theta/2) theta'/2 [1/s]
+      real(wp), dimension(0:highest_order) :: lift
+      !! height of the middle of the base over its place at rest [m]
+      real(wp), dimension(0:highest_order) :: rise, rise_dot
+      !! stroke of a device in the middle of the base [m] and its rate [m/s]
+      real(wp), dimension(0:highest_order) :: arm
+      !! derivative of that stroke by theta [m]
+      real(wp), dimension(0:highest_order) :: force, couple
+      !! sums of the forces over m_w [m/s2] and of their products with the offsets [m2/s2]
+      real(wp), allocatable :: stretch(:, :), stretch_dot(:, :)
+      !! (0:highest_order, springs) elongation of each [m] and its rate [m/s]
+   end type device_series_t
+
    !> Ground acceleration, weight and forces of the frame on the top of the wall.
    type :: load_series_t
       real(wp), dimension(0:highest_order) :: weight
@@ -109,11 +131,12 @@ module rwmf_model_base_base_series
       real(wp), dimension(0:highest_order) :: tendon
       !! force of the tendon over m_w g [-]
       real(wp), dimension(0:highest_order) :: anchor
-      !! horizontal force of the tendon on the ground over m_w [m/s2]
+      !! horizontal force of tendon and devices on the ground over m_w [m/s2]
       real(wp), allocatable :: force(:, :)
       !! (0:highest_order, 2 + free) forces of the frame on w [m/s2]
       type(turn_series_t) :: turn
       type(contact_series_t) :: contact
+      type(device_series_t) :: device
       type(tendon_series_t), private :: cable
       type(load_series_t), private :: load
    end type base_series_t
@@ -136,7 +159,10 @@ contains
          allocate (series%q(0:highest_order, free), series%q_dot(0:highest_order, free), &
             series%q_ddot(0:highest_order, free))
          allocate (series%force(0:highest_order, 2 + free), source=0.0_wp)
-         series%anchor = 0
+         associate (at => series%device, springs => size(scene%springs))
+            allocate (at%stretch(0:highest_order, springs), &
+               at%stretch_dot(0:highest_order, springs))
+         end associate
       end associate
    end subroutine create_series
 
@@ -180,7 +206,8 @@ contains
             call expand_contact(n, scene, mode, series)
          end if
          if (scene%has_tendon) call expand_tendon(n, scene, mode, series)
-         if (scene%frame%n > 0) call expand_frame(n, scene, series)
+         if (size(scene%devices) > 0) call expand_devices(n, scene, mode, series)
+         if (scene%frame%n > 0) call expand_frame(n, scene, mode, series)
          call accelerate(n, scene, mode, series)
          if (n < highest_order) call continue_states(n + 1, series)
       end do
@@ -335,10 +362,56 @@ contains
       end associate
    end subroutine expand_tendon
 
-   !> Expand the forces of storeys, dampers and links on w.
-   pure subroutine expand_frame(n, scene, series)
+   !> Expand strokes and forces of the devices. Each acts along the line that halves the rotation,
+   !> on which the place at rest of a point of the base lies while the wall turns about a corner.
+   pure subroutine expand_devices(n, scene, mode, series)
       integer, intent(in) :: n
       type(base_scene_t), intent(in) :: scene
+      type(base_mode_t), intent(in) :: mode
+      type(base_series_t), intent(inout) :: series
+      real(wp) :: line(2), stroke, rate, force
+      integer :: i
+
+      associate (of => series, at => series%device)
+         at%lift(n) = of%z(n)
+         if (n == 0) then
+            at%lift(0) = of%z(0) - scene%z_0
+            at%sine(0) = sin(of%theta(0)/2)
+            at%cosine(0) = cos(of%theta(0)/2)
+         else
+            at%sine(n) = at%sine_rate(n - 1)/n
+            at%cosine(n) = -at%cosine_rate(n - 1)/n
+         end if
+         at%sine_rate(n) = product_term(n, at%cosine, of%theta_dot)/2
+         at%cosine_rate(n) = product_term(n, at%sine, of%theta_dot)/2
+         at%rise(n) = product_term(n, of%x, at%sine) + product_term(n, at%lift, at%cosine)
+         at%arm(n) = (product_term(n, of%x, at%cosine) - product_term(n, at%lift, at%sine))/2
+         at%rise_dot(n) = product_term(n, of%x_dot, at%sine) + product_term(n, of%z_dot, &
+            at%cosine) + product_term(n, at%arm, of%theta_dot)
+         at%force(n) = 0
+         at%couple(n) = 0
+         do i = 1, size(scene%devices)
+            associate (device => scene%devices(i))
+               stroke = at%rise(n) - 2*device%offset*at%sine(n)
+               rate = at%rise_dot(n) - 2*device%offset*at%sine_rate(n)
+               line = line_of_element(device, mode%springs)
+               force = line(2)*stroke + device%c*rate
+               if (n == 0) force = force + line(1)
+               at%force(n) = at%force(n) + force
+               at%couple(n) = at%couple(n) + device%offset*force
+               if (device%spring == 0) cycle
+               at%stretch(n, device%spring) = stroke
+               at%stretch_dot(n, device%spring) = rate
+            end associate
+         end do
+      end associate
+   end subroutine expand_devices
+
+   !> Expand the forces of storeys, dampers and links on w.
+   pure subroutine expand_frame(n, scene, mode, series)
+      integer, intent(in) :: n
+      type(base_scene_t), intent(in) :: scene
+      type(base_mode_t), intent(in) :: mode
       type(base_series_t), intent(inout) :: series
       integer :: i, j
 
@@ -351,6 +424,12 @@ contains
                   + frame%c(2 + j, i)*of%q_dot(n, j)
             end do
             if (i > 2) of%q_ddot(n, i - 2) = -of%force(n, i)/frame%m(i - 2) - of%ground(n)
+         end do
+         do i = scene%fuses + 1, size(scene%springs)
+            of%device%stretch(n, i) = of%x(n) + of%u(n)
+            of%device%stretch_dot(n, i) = of%x_dot(n) + of%u_dot(n)
+            of%force(n, :) = of%force(n, :) + mode%springs(i)%slope*of%device%stretch(n, i)
+            if (n == 0) of%force(n, :) = of%force(n, :) + mode%springs(i)%offset
          end do
       end associate
    end subroutine expand_frame
@@ -438,6 +517,7 @@ contains
                - frame%mass(1, 2)*of%turn%bias(n)
             row(3) = row(3) - product_term(n, of%turn%gain, of%load%roof)
          end if
+         of%anchor(n) = 0
          if (scene%has_tendon) then
             of%cable%arm(n) = 2*h*(product_term(n, of%x, of%turn%cosine) - product_term(n, of%z, &
                of%turn%sine))
@@ -445,6 +525,13 @@ contains
             row = row - [of%anchor(n), product_term(n, of%cable%pull, of%cable%span_z), &
                product_term(n, of%cable%pull, of%cable%arm)]
          end if
+         if (size(scene%devices) == 0) return
+         associate (at => series%device)
+            spin(1) = product_term(n, at%force, at%sine)
+            of%anchor(n) = of%anchor(n) + spin(1)
+            row = row - [spin(1), product_term(n, at%force, at%cosine), product_term(n, at%force, &
+               at%arm) - product_term(n, at%couple, at%cosine)]
+         end associate
       end associate
    end subroutine sum_forces
 

@@ -24,7 +24,6 @@ contains
    type(case_group_t) function fuse_group() result(group)
       group%name = 'fuse'
       group%needs(1) = 'wall'
-      group%not_on_base = two_corners
       group%reasons(1) = 'fuses work under its base'
       group%keys = [offset_key('fuse'), spring_keys('fuse')]
       group%keys(2:3)%is_required = .true.
@@ -41,7 +40,6 @@ contains
    type(case_group_t) function damper_group() result(group)
       group%name = 'damper'
       group%needs(1) = 'wall'
-      group%not_on_base = two_corners
       group%reasons(1) = 'dampers work under its base'
       group%keys = [offset_key('damper'), damper_keys('damper')]
       group%keys(2)%is_required = .true.

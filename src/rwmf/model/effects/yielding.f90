@@ -14,7 +14,7 @@ module rwmf_model_effects_yielding
    use rwmf_model_hysteresis_storey_springs, only: choose_storey_springs
    use rwmf_model_scene, only: through_link
    use rwmf_problem_case, only: case_t, has_all_modes, has_floors, has_numbers, spring_law_t
-   use rwmf_problem_case_group, only: case_group_t, name_length, two_corners
+   use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_single_storey
    use rwmf_problem_frame_strength, only: has_branches, storey_strengths, yield_displacement, &
       storeys_have_strengths
@@ -35,7 +35,6 @@ contains
    type(case_group_t) function yielding_group() result(group)
       group%name = 'yielding'
       group%needs(1) = 'frame'
-      group%not_on_base = two_corners
       group%reasons(1) = 'the frame is what yields'
       group%keys = [ &
          usually('[1e-4, 3]', optional_key('yielding', 'u_y', 'real', 'm', '', positive, &
@@ -140,6 +139,12 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
 
+      if (has_group(values, 'base') .and. (has_group(values, 'storeys') .or. has_key(values, &
+          'yielding', 'ultimate') .or. text_of(values, 'yielding', 'law') == 'bouc_wen')) then
+         call fail_group(values, 'yielding', 'must not be given with &base beside &storeys, ' &
+            //"ultimate or law = 'bouc_wen'", error)
+         return
+      end if
       call check_law(values, error)
       if (.not. allocated(error)) call check_keys_of_law(values, error)
       if (.not. allocated(error)) call check_softening(values, error)

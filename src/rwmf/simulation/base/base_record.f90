@@ -9,8 +9,9 @@ module rwmf_simulation_base_base_record
    use rwmf_math_polynomial_roots, only: find_largest
    use rwmf_math_power_series, only: product_term, series_value
    use rwmf_model_base_base_regime, only: base_regime_t
-   use rwmf_model_base_base_scene, only: base_scene_t
+   use rwmf_model_base_base_scene, only: base_scene_t, elongations
    use rwmf_model_base_base_series, only: base_series_t, is_crushing, is_pressed
+   use rwmf_model_hysteresis_spring_laws, only: spring_energy
    use rwmf_model_series_series_motion, only: highest_order
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: id
@@ -23,6 +24,7 @@ module rwmf_simulation_base_base_record
    public :: base_record_t, create_record, find_columns, observe_step, stored_t, stored_energies
    public :: of_u, of_theta, of_rate, of_middle, of_left, of_right, of_normal, of_shear
    public :: of_contact, of_slip, of_tendon, of_stress, of_total, of_drift, first_floor
+   public :: first_spring
 
    integer, parameter :: of_u = 1, of_theta = 2, of_rate = 3
    !! u_s [m], theta [rad], theta' [rad/s]
@@ -42,7 +44,8 @@ module rwmf_simulation_base_base_record
    !! base shear of wall and frame over their weight [-], displacement of the wall's top over its
    !! height [-]
    integer, parameter :: first_floor = 20
-   !! drifts [-] of all storeys, then accelerations of all floors over g [-]
+   !! drifts [-] of all storeys, then accelerations of all floors over g [-]; elongations [m] and
+   !! forces over the weight of wall or frame [-] of all springs follow, from `first_spring`
 
    !> Columns with their extremes so far, energies and history.
    type :: base_record_t
@@ -54,6 +57,8 @@ module rwmf_simulation_base_base_record
       !! (2, columns) smallest and largest value, and their times [s]
       real(wp) :: stress = 0
       !! largest stress of strips over k [m]
+      real(wp), allocatable :: travel(:)
+      !! (springs) sum of all strokes there and back [m]
       logical :: keeps_energy = .false.
       type(energy_t) :: energy
       real(wp) :: base_start = 0
@@ -65,6 +70,8 @@ module rwmf_simulation_base_base_record
       type(history_t), allocatable :: history
       type(values_t) :: row
       !! columns of the history at one instant
+      logical :: has_offsets = .false.
+      !! the case gives the places of the fuses
       logical :: has_vertical = .false.
       !! that of the vertical motion is among them
       real(wp) :: m_w_g = 0
@@ -82,10 +89,18 @@ module rwmf_simulation_base_base_record
       !! of the frame
       real(wp) :: gravity = 0
       real(wp) :: cable = 0
+      real(wp) :: fuses = 0
       real(wp) :: base = 0
    end type stored_t
 
 contains
+
+   !> First column of the springs.
+   pure integer function first_spring(scene)
+      type(base_scene_t), intent(in) :: scene
+
+      first_spring = first_floor + 2*scene%frame%n
+   end function first_spring
 
    !> Allocate the columns that a case requests.
    subroutine create_record(case, scene, regime, y, record, error)
@@ -102,12 +117,13 @@ contains
       integer :: n
 
       has_shear = .true.
-      n = first_floor - 1 + 2*scene%frame%n
+      n = first_spring(scene) - 1 + 2*size(scene%springs)
       allocate (record%series(0:highest_order, n), source=0.0_wp)
       allocate (record%is_sought(n), source=.false.)
       allocate (record%extremes(2, n), record%times(2, n), source=0.0_wp)
       record%extremes(1, :) = huge(1.0_wp)
       record%extremes(2, :) = -huge(1.0_wp)
+      allocate (record%travel(size(scene%springs)), source=0.0_wp)
       record%is_sought(:of_rate) = .true.
       if (.not. allocated(case%output)) return
       associate (output => case%output, sought => record%is_sought)
@@ -127,12 +143,13 @@ contains
          sought(of_total) = output%reactions .and. has_shear .and. seeks(output, &
             [id%base_shear_max_over_weight, id%t_base_shear_max_s])
          sought(of_drift) = output%reactions .and. seeks(output, [id%wall_drift_max])
-         sought(first_floor:) = output%demands
+         sought(first_floor:first_spring(scene) - 1) = output%demands
+         sought(first_spring(scene):) = output%envelopes
          record%keeps_energy = output%energy
          stored = stored_energies(scene, regime, y)
          record%base_start = stored%base
          record%energy = energy_t(stored%kinetic + stored%strain + stored%gravity + stored%cable &
-            + stored%base, 0, 0, 0, 0, 0)
+            + stored%fuses + stored%base, 0, 0, 0, 0, 0)
          if (.not. allocated(output%dt)) return
          record%dt = output%dt
          call create_columns(case, scene, record)
@@ -148,6 +165,7 @@ contains
       type(base_record_t), intent(inout) :: record
 
       record%has_vertical = allocated(case%upward)
+      if (allocated(case%fuse)) record%has_offsets = allocated(case%fuse%offset)
       record%m_w_g = case%unit_mass*scene%g
       call put_columns(scene, record, 0.0_wp, 0.0_wp, 0)
    end subroutine create_columns
@@ -162,7 +180,7 @@ contains
       !! time since the start of the step [s]
       integer, intent(in) :: order
       !! of the series
-      integer :: i
+      integer :: i, number
 
       associate (row => record%row, n => scene%frame%n)
          call clear(row)
@@ -177,6 +195,17 @@ contains
          if (scene%has_tendon) call put(row, id%cable_force_over_m_w_g, at(of_tendon))
          if (scene%has_tendon .and. record%m_w_g > 0) call put(row, id%cable_force_N, &
             at(of_tendon)*record%m_w_g)
+         do i = 1, size(scene%springs)
+            if (i > scene%fuses) then
+               number = id%frame_force_over_m_s_g
+            else if (record%has_offsets) then
+               number = id%fuse_i_force_over_m_w_g
+            else
+               number = merge(id%fuse_left_force_over_m_w_g, id%fuse_right_force_over_m_w_g, i == 1)
+            end if
+            call put(row, number, [at(first_spring(scene) + size(scene%springs) + i - 1)], &
+               merge(i - 1, 0, number == id%fuse_i_force_over_m_w_g))
+         end do
          call put(row, id%base_height_m, at(of_middle))
          if (scene%slides) call put(row, id%base_slip_m, at(of_slip))
          call put(row, id%base_normal_over_m_w_g, at(of_normal))
@@ -210,7 +239,8 @@ contains
       type(values_t), intent(out) :: row
       type(base_record_t) :: record
 
-      allocate (record%series(0:highest_order, first_floor - 1 + 2*scene%frame%n), source=0.0_wp)
+      allocate (record%series(0:highest_order, first_spring(scene) - 1 + 2*size(scene%springs)), &
+         source=0.0_wp)
       allocate (record%is_sought(0))
       call create_columns(case, scene, record)
       call fill_columns(scene, regime, series, record)
@@ -237,6 +267,12 @@ contains
       end do
       if (scene%strips > 0 .and. record%is_sought(of_stress)) call observe_strips(scene, regime, &
          h, series, record%stress)
+      if (any(record%is_sought(first_spring(scene):))) then
+         do i = 1, size(record%travel)
+            record%travel(i) = record%travel(i) &
+               + path_length(series%device%stretch(:series%order, i), h)
+         end do
+      end if
       if (record%keeps_energy) call add_work(scene, regime, h, series, record)
       if (allocated(record%history)) call write_rows(scene, t, h, series%order, record)
    end subroutine observe_step
@@ -275,13 +311,31 @@ contains
       end if
    end subroutine keep_extremes
 
+   !> Length of the path of a quantity over a step, which turns at most twice.
+   pure real(wp) function path_length(c, h) result(path)
+      real(wp), intent(in) :: c(0:)
+      !! series of the quantity
+      real(wp), intent(in) :: h
+      !! [s]
+      real(wp) :: value(4), place(2)
+
+      value([1, 4]) = [c(0), series_value(c, h)]
+      call find_largest(c, h, value(2), place(1))
+      call find_largest(-c, h, value(3), place(2))
+      value(3) = -value(3)
+      if (place(1) > place(2)) value(2:3) = value([3, 2])
+      path = sum(abs(value(2:) - value(:3)))
+   end function path_length
+
    !> Set the columns to the series of a step.
    pure subroutine fill_columns(scene, regime, series, record)
       type(base_scene_t), intent(in) :: scene
       type(base_regime_t), intent(in) :: regime
       type(base_series_t), intent(in) :: series
       type(base_record_t), intent(inout) :: record
-      integer :: k, n
+      real(wp) :: weight
+      !! of wall or frame over m_w [m/s2]
+      integer :: i, k, n
 
       n = series%order
       associate (of => series, column => record%series, b => scene%b)
@@ -317,6 +371,15 @@ contains
          column(:n, of_upward) = of%upward(:n)
          column(:n, of_total) = (of%shear(:n) - of%force(:n, 1) - of%anchor(:n)) &
             /(scene%g*(1 + scene%frame%mass(1, 1) + sum(scene%frame%m(:scene%frame%free))))
+         do i = 1, size(scene%springs)
+            k = first_spring(scene) + i - 1
+            column(:n, k) = of%device%stretch(:n, i)
+            k = k + size(scene%springs)
+            weight = scene%g
+            if (i > scene%fuses) weight = scene%g*sum(scene%frame%m)
+            column(:n, k) = regime%springs(i)%slope/weight*of%device%stretch(:n, i)
+            column(0, k) = column(0, k) + regime%springs(i)%offset/weight
+         end do
          column(:n, of_drift) = (of%x(:n) + 2*scene%h*of%turn%sine(:n))/(2*scene%h)
       end associate
       if (scene%frame%n > 0) call fill_floors(scene, series, record)
@@ -388,7 +451,7 @@ contains
       !! [s]
       type(base_series_t), intent(in) :: series
       type(base_record_t), intent(inout) :: record
-      real(wp), dimension(0:highest_order) :: push, lift
+      real(wp), dimension(0:highest_order) :: push, lift, rate
       real(wp) :: flow(0:highest_order, 2 + scene%frame%free)
       real(wp) :: rates(0:highest_order, 2 + scene%frame%free)
       real(wp) :: power
@@ -414,6 +477,14 @@ contains
                of%shear)*h**(k + 1)/(k + 1)
             do i = 1, merge(2 + frame%free, 0, frame%n > 0)
                energy%viscous = energy%viscous + product_term(k, flow(:, i), rates(:, i)) &
+                  *h**(k + 1)/(k + 1)
+            end do
+         end do
+         do i = 1, size(scene%devices)
+            if (.not. scene%devices(i)%c > 0) cycle
+            rate(:n) = of%device%rise_dot(:n) - 2*scene%devices(i)%offset*of%device%sine_rate(:n)
+            do k = 0, n
+               energy%viscous = energy%viscous + scene%devices(i)%c*product_term(k, rate, rate) &
                   *h**(k + 1)/(k + 1)
             end do
          end do
@@ -449,6 +520,8 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) as of `set_state`
       real(wp) :: w(2 + scene%frame%free), rate(2 + scene%frame%free)
+      real(wp) :: elastic(size(scene%springs))
+      !! energies of the springs [J/kg]
       real(wp) :: s, c, stretch
 
       s = sin(y(1))
@@ -468,6 +541,9 @@ contains
             if (.not. regime%is_taut) stretch = -scene%eta_0/scene%eta_slope
             stored%cable = scene%g*stretch*(scene%eta_0 + scene%eta_slope*stretch/2)
          end if
+         elastic = spring_energy(scene%springs, regime%springs, elongations(scene, y))
+         stored%fuses = sum(elastic(:scene%fuses))
+         stored%strain = stored%strain + sum(elastic(scene%fuses + 1:))
          if (scene%strips > 0) then
             stored%base = sum(min(scene%d_y, max(0.0_wp, scene%place*s - z - regime%depth))**2) &
                *scene%width

@@ -2,13 +2,16 @@
 module rwmf_simulation_base_base_result
    use rwmf_core_kinds, only: wp
    use rwmf_model_base_base_regime, only: base_regime_t
-   use rwmf_model_base_base_scene, only: base_scene_t
+   use rwmf_model_base_base_scene, only: base_scene_t, elongations
+   use rwmf_model_elements, only: of_fuse
+   use rwmf_model_hysteresis_spring_laws, only: spring_loss, spring_residual
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id
    use rwmf_problem_quantity_values, only: clear, put, values_t
-   use rwmf_simulation_base_base_record, only: base_record_t, first_floor, of_contact, of_drift, &
-      of_left, of_middle, of_normal, of_rate, of_right, of_shear, of_slip, of_stress, of_tendon, &
-      of_theta, of_total, of_u, stored_energies, stored_t
+   use rwmf_simulation_base_base_record, only: base_record_t, first_floor, first_spring, &
+      of_contact, of_drift, of_left, of_middle, of_normal, of_rate, of_right, of_shear, of_slip, &
+      of_stress, of_tendon, of_theta, of_total, of_u, stored_energies, stored_t
+   use rwmf_simulation_recorder_element_demands, only: element_extremes_t, put_elements
    use rwmf_simulation_recorder_energy_balance, only: put_balance
    use rwmf_simulation_state_history, only: shorten_history
    use rwmf_simulation_state_result, only: complete_values, result_t
@@ -48,6 +51,8 @@ contains
             call put_base(case, scene, regime, record, y, values)
             if (case%output%reactions) call put_reactions(scene, record, result)
             if (case%output%demands .and. scene%frame%n > 0) call put_demands(scene, record, result)
+            if (case%output%envelopes .and. allocated(case%fuse)) call put_fuses(scene, record, &
+               values)
             if (record%keeps_energy) then
                call fill_energy(scene, regime, record, y)
                call put_balance(values, record%energy)
@@ -88,6 +93,7 @@ contains
       !! (states) at the end
       type(values_t), intent(inout) :: values
       real(wp) :: stress
+      integer :: i
 
       associate (low => record%extremes(1, :), high => record%extremes(2, :), &
                  sought => record%is_sought)
@@ -117,6 +123,14 @@ contains
       end if
       call put(values, id%flights, real(regime%flights, wp))
       if (regime%flights > 0) call put(values, id%t_flight_first_s, regime%t_flight)
+      do i = scene%fuses + 1, size(scene%springs)
+         associate (spring => scene%springs(i), u => y(3) + 2*scene%h*sin(y(1)) &
+                    + 2*scene%b*sin(y(1)/2)**2)
+            call put(values, id%ductility, largest(record, of_u)*spring%stiffness/spring%yield)
+            call put(values, id%residual_displacement_m, spring_residual(spring, &
+               regime%springs(i), u))
+         end associate
+      end do
       if (scene%strips == 0) return
       associate (depth => depth_at_end(scene, regime, y))
          call put(values, id%crushed_depth_max_m, maxval(depth))
@@ -176,6 +190,23 @@ contains
       end associate
    end subroutine put_demands
 
+   !> Put strokes and forces of the fuses.
+   subroutine put_fuses(scene, record, values)
+      type(base_scene_t), intent(in) :: scene
+      type(base_record_t), intent(in) :: record
+      type(values_t), intent(inout) :: values
+      type(element_extremes_t) :: fuses(scene%fuses)
+      integer :: i, stroke, force
+
+      do i = 1, size(fuses)
+         stroke = first_spring(scene) + i - 1
+         force = stroke + size(scene%springs)
+         fuses(i) = element_extremes_t(of_fuse, record%extremes(:, stroke), record%travel(i), &
+            [record%extremes(1, force), largest(record, force)], record%series(0, force))
+      end do
+      call put_elements(values, fuses)
+   end subroutine put_fuses
+
    !> Complete the energy ledger.
    subroutine fill_energy(scene, regime, record, y)
       type(base_scene_t), intent(in) :: scene
@@ -184,23 +215,26 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at the end
       type(stored_t) :: stored
-      real(wp) :: base
-      !! dissipated by the base [J/kg]
+      real(wp) :: base, plastic
+      !! dissipated by base and springs [J/kg]
 
       stored = stored_energies(scene, regime, y)
       base = record%base_work - (stored%base - record%base_start)
       associate (energy => record%energy, terms => record%energy%terms)
-         energy%final = stored%kinetic + stored%strain + stored%gravity + stored%cable + stored%base
-         energy%hysteretic = base + record%friction
+         plastic = sum(spring_loss(scene%springs, regime%springs, elongations(scene, y)))
+         energy%final = stored%kinetic + stored%strain + stored%gravity + stored%cable &
+            + stored%fuses + stored%base
+         energy%hysteretic = base + record%friction + plastic
          call clear(terms)
          call put(terms, id%energy_input_J_per_kg, energy%input)
          call put(terms, id%energy_kinetic_J_per_kg, stored%kinetic)
          call put(terms, id%energy_gravity_J_per_kg, stored%gravity)
-         call put(terms, id%energy_effects_J_per_kg, stored%base)
+         call put(terms, id%energy_effects_J_per_kg, stored%fuses + stored%base)
          call put(terms, id%energy_viscous_J_per_kg, energy%viscous)
          call put(terms, id%energy_base_J_per_kg, base)
          if (scene%frame%n > 0) call put(terms, id%energy_strain_J_per_kg, stored%strain)
          if (scene%has_tendon) call put(terms, id%energy_cable_J_per_kg, stored%cable)
+         if (size(scene%springs) > 0) call put(terms, id%energy_hysteretic_J_per_kg, plastic)
          if (scene%slides) call put(terms, id%energy_friction_J_per_kg, record%friction)
       end associate
    end subroutine fill_energy
