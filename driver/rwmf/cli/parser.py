@@ -7,9 +7,9 @@ import difflib
 import textwrap
 from collections.abc import Sequence
 
-from rwmf._files.names import shorten
 from rwmf._renamed import WORDS
 from rwmf.cli.command_table import COMMANDS, GROUPS, Command
+from rwmf.kernel.names import shorten
 
 _DESCRIPTION = "Dynamic response of post-tensioned rocking wall-moment frames."
 _EXAMPLE = "example: rwmf spectrum inputs/fig12_one_cosine.nml --plot cosine.png"
@@ -124,9 +124,9 @@ class _ShowVersion(argparse.Action):
         values: str | Sequence[object] | None,
         option_string: str | None = None,
     ) -> None:
-        from rwmf import _library
+        from rwmf.kernel import tables
 
-        print(f"{parser.prog} {_library.version()} ({_library.instruction_set()})")
+        print(f"{parser.prog} {tables.version()} ({tables.instruction_set()})")
         parser.exit()
 
 

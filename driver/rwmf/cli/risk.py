@@ -12,20 +12,20 @@ import numpy as np
 import xarray as xr
 
 import rwmf
-from rwmf._files import files
-from rwmf._progress import progress
-from rwmf._risk.annual import hazard_of, unit_of
-from rwmf._risk.loss import loss_quantities, nrml_text, write_pelicun
-from rwmf._risk.table import fallen, quantities_of, write_dataset
-from rwmf._sweep.executors import open_executor
-from rwmf._sweep.netcdf import check_package
-from rwmf._sweep.points import is_netcdf
+from rwmf.assess.annual import hazard_of, unit_of
+from rwmf.assess.loss import loss_quantities, nrml_text, write_pelicun
+from rwmf.assess.table import fallen, quantities_of, write_dataset
 from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
-from rwmf.plotting import image_files as figures
-from rwmf.plotting import risk_figures as plots
-from rwmf.plotting.style import new_figure
+from rwmf.figures import image_files as figures
+from rwmf.figures import risk_figures as plots
+from rwmf.figures.styles import new_figure
+from rwmf.kernel import files
+from rwmf.kernel.progress import progress
+from rwmf.sweeps.executors import open_executor
+from rwmf.sweeps.netcdf import check_package
+from rwmf.sweeps.points import is_netcdf
 
 _SHARED = ("intensity", "period", "damping", "periods", "restart", "threads")
 _NOT_IN_MODEL = (

@@ -7,8 +7,8 @@ import math
 import re
 from collections.abc import Callable
 
-from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
 from rwmf.errors import OutputError
+from rwmf.kernel.names import is_name_of_folder, problem_of_name, shorten
 
 _TARGET = re.compile(r"(\w+)=([^@x]+)(?:@([^@x]+))?(?:x([^@x]+))?")
 _LIMITS = re.compile(r"limits@([^@x]+)(?:x([^@x]+))?")

@@ -17,7 +17,7 @@ import pandas as pd
 import pytest
 import rwmf
 import xarray as xr
-from rwmf._library import schema
+from rwmf.kernel.tables import schema
 from scenes import bare_frame, coupled
 
 pytest.importorskip("matplotlib")

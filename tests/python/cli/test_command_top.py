@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from rwmf import cli
-from rwmf.cli import check
+from rwmf.cli import case_files
 from scenes import block, coupled
 
 QUICK = {"method": "dop853", "rtol": 1e-6, "t_end": 1.0}
@@ -134,7 +134,7 @@ def test_what_nobody_has_foreseen(
     def fail(_: object) -> int:
         raise ZeroDivisionError("by\nnothing")
 
-    monkeypatch.setattr(check, "run", fail)
+    monkeypatch.setattr(case_files, "run_check", fail)
     monkeypatch.delenv("RWMF_TRACEBACK", raising=False)
     assert _told(["check", "case.nml"], capfd) == (
         3,

@@ -18,9 +18,9 @@ from pathlib import Path
 import pytest
 import rwmf
 from checkout import Runner, run_python
-from rwmf import _library, cli
-from rwmf._files import files
+from rwmf import cli
 from rwmf.errors import InputError, OutputError
+from rwmf.kernel import files, results
 from scenes import coupled
 from writers import RWMF, WRITERS, Writer, prepare
 
@@ -156,7 +156,7 @@ whole = open("whole.nc", "rb").read()
 refused = 0
 for size in [*range(0, len(whole), 30000), len(whole) - 1, len(whole)]:
     # the journal is not what is looked at
-    from rwmf._sweep import computation, netcdf, plan
+    from rwmf.sweeps import computation, netcdf, plan
     found = plan.make_plan(plan.Request(case, grid, quantities=("u_s_max",)))
     chunks = {c.number: c for c in computation._Work(found, 0, None, None, (1, 1)).run(set())}
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
@@ -274,7 +274,7 @@ def test_a_killed_run_leaves_a_file_that_the_next_one_removes(tmp_path: Path) ->
     code = """
 import os, signal
 from rwmf import cli
-from rwmf._files import files
+from rwmf.kernel import files, results
 with files.replacing("x.txt") as stream:
     stream.write(b"half")
     stream.flush()
@@ -349,7 +349,7 @@ def test_an_input_is_never_written(
     else:
         # refused before anything is computed
         for name in ("start_simulation", "start_spectrum"):
-            monkeypatch.delattr(_library, name)
+            monkeypatch.delattr(results, name)
         status, errors = cli.main(words), capsys.readouterr().err
     assert status == 2, errors
     assert re.search(r"is (read|written twice) by this run", errors), errors

@@ -19,10 +19,10 @@ from xml.etree import ElementTree
 import pytest
 import rwmf
 from rwmf import cli
-from rwmf._explore.model import encode, start
-from rwmf._files.names import readable, xml_text
-from rwmf._risk.loss import nrml_text, write_pelicun
-from rwmf._risk.table import table_of, write_dataset
+from rwmf.assess.loss import nrml_text, write_pelicun
+from rwmf.assess.table import table_of, write_dataset
+from rwmf.explorer.model import encode, start
+from rwmf.kernel.names import readable, xml_text
 
 # signs of Python, shells, formats, HTML, XML, CSV and comments
 MARKUP = "-q\"\"\"+open('pwned','w').name+'''\\<script>x<&amp;]]>%(y)s{z},;#é"

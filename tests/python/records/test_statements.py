@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import rwmf
 from record_variants import DT, SAMPLES, N, Variant, variants
-from rwmf import _library, cli, records
+from rwmf import cli, records
 from rwmf.errors import InputError
+from rwmf.kernel import tables
 
 _UNITS = {None: None, "g": 9.81, "m/s2": 1.0, "cm/s2": 0.01}
 _KEYS = [*itertools.product(_UNITS, (None, DT)), ("g", 2 * DT)]
@@ -20,7 +21,7 @@ _VARIANTS = variants()
 def _read(variant: Variant, unit: str | None, dt: float | None) -> bool:
     """Read a file with given keys; False when it is refused."""
     try:
-        found = _library.read_record(variant.content, unit, dt)
+        found = tables.read_record(variant.content, unit, dt)
     except InputError as error:
         assert "\n" not in str(error)
         return False

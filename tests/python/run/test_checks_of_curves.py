@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import rwmf
 from rwmf import cli, plot
-from rwmf._pushover import columns_by_key
+from rwmf.run.response import columns_by_key
 from scenes import bare_frame, coupled
 
 WALL = {"h": 9.6, "b": 2.0, "thickness": 0.35, "density": 2500.0}

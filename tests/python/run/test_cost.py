@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 import rwmf
-from rwmf import _cost as cost_module
 from rwmf import cli
-from rwmf._cost import METHODS, PAPER, PRACTICES, TOLERANCES, Cost, Row, cheapest
-from rwmf._library import measure as _measure
-from rwmf.quantities import QUANTITIES
+from rwmf.assess import cost as cost_module
+from rwmf.assess.cost import METHODS, PAPER, PRACTICES, TOLERANCES, Cost, Row, cheapest
+from rwmf.kernel import measure as _measure
+from rwmf.run.quantities import QUANTITIES
 
 PULSE = """&wall h = 2.0, b = 0.5 /
 &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /

@@ -134,7 +134,7 @@ def test_interrupted_and_resumed(name: str, stop: int, tmp_path: Path) -> None:
 
 def test_tables_survive_their_files(table: xr.Dataset, tmp_path: Path) -> None:
     pytest.importorskip("h5netcdf")
-    from rwmf._risk import read_table, write_table
+    from rwmf.assess.table import read_table, write_table
 
     for name in ("t.csv", "t.nc"):
         write_table(table, tmp_path / name)
@@ -372,7 +372,7 @@ def test_a_file_names_the_line_of_an_unknown_status(tmp_path: Path) -> None:
 @pytest.mark.parametrize("names", [("#1", "b"), ("# a,b", ' "x";y'), ("a", "#"), ("#", "#r")])
 def test_names_with_marks_keep_their_rows(names: tuple[str, str], tmp_path: Path) -> None:
     """As written by the program, and unquoted where the columns tell it from a comment."""
-    from rwmf._risk import read_table, write_table
+    from rwmf.assess.table import read_table, write_table
 
     rows = {"design": np.repeat(names, 2), "record": ["#1", "#2"] * 2, "intensity": [0.1] * 4,
             "status": ["ok"] * 4}  # fmt: skip

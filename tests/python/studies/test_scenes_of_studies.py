@@ -10,8 +10,8 @@ import pytest
 import rwmf
 import xarray as xr
 from rwmf import cli, studies
-from rwmf._sweep import RecordFile, find_records
 from rwmf.errors import InputError
+from rwmf.motion.record_sets import RecordFile, find_records
 from scenes import bare_frame, block, coupled
 
 SOLVER = {"method": "dop853", "rtol": 1e-8, "t_end": 4.0}

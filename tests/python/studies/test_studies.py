@@ -12,7 +12,7 @@ import pytest
 import rwmf
 import xarray as xr
 from rwmf import cli, studies
-from rwmf._sweep import RecordFile, find_records
+from rwmf.motion.record_sets import RecordFile, find_records
 from scenes import bare_frame, block, coupled
 
 QUICK = {"method": "dop853", "rtol": 1e-6}
