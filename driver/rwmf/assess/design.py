@@ -50,11 +50,7 @@ def cheapest(
     designs: int,
     guess: Array | None = None,
 ) -> Array:
-    """Find the cheapest design that meets all targets, or else the one nearest to them.
-
-    Differential evolution visits the whole range; from its best designs sequential quadratic
-    programming follows gradients of the targets for the real variables.
-    """
+    """Find the cheapest design that meets all targets, or else the one nearest to them."""
     try:
         from scipy.optimize import Bounds, NonlinearConstraint, differential_evolution
     except ImportError:

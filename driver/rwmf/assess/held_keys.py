@@ -82,11 +82,7 @@ def derivative_at(offsets: Array, values: Array, centre: float) -> Estimate:
 
 
 def resolution(values: Array) -> float:
-    """Return the smallest difference that values can have.
-
-    A quantity that is a difference of larger numbers, such as the increment of a force, has fewer
-    binary digits than its type.
-    """
+    """Return the smallest difference that values can have."""
     kept = values[np.isfinite(values) & (values != 0)]
     if kept.size == 0 or (kept == kept[0]).all():
         return 0.0

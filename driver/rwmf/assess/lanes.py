@@ -340,9 +340,6 @@ _UNSEEN = 1e-7
 class Steps:
     """Derivatives of all quantities of all scenes with respect to all parameters.
 
-    Derivatives are with respect to relative changes, shape (cells, parameters, quantities); a cell
-    is a scene, or a suite of scenes with a statistic.
-
     Attributes
     ----------
     scales : numpy.ndarray, shape (rows, parameters)

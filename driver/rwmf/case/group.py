@@ -17,8 +17,6 @@ from rwmf.kernel.numbers import show
 class Group(Mapping[str, Value]):
     """The values of one namelist group, by attribute or by key; keys match in any case.
 
-    The subclasses in `rwmf.case.groups` declare the keys of each group with their types.
-
     Attributes
     ----------
     given : frozenset of str

@@ -526,10 +526,7 @@ def _groups_of(summary: dict[str, Any]) -> list[list[Any]]:
 
 
 def _profile_of(case: Case, summary: dict[str, Any]) -> dict[str, list[float]]:
-    """Return heights, peak drifts, drifts at first yield and peak accelerations of the storeys.
-
-    Lists are empty where the case has no such value: a frame without height has no drift.
-    """
+    """Return heights, peak drifts, drifts at first yield and peak accelerations of the storeys."""
     floors = sum(bool(re.fullmatch(r"floor_\d+_acceleration_max_g", key)) for key in summary)
     heights = heights_of_storeys(case, floors)
     if not floors or not heights:

@@ -235,11 +235,7 @@ def animate(
 
 
 def _camera(figure: Figure, draw: Callable[[int], None]) -> Callable[[int], Image]:
-    """Return a function that takes the picture of a sample.
-
-    The artists of the first axes move unless their gid is ``_STILL``, and the cursor, the last
-    line of the second. The rest is drawn once.
-    """
+    """Return a function that takes the picture of a sample."""
     from PIL import Image
 
     scene, curve = figure.axes

@@ -116,25 +116,7 @@ def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
 
 
 def springs_of(columns: Mapping[str, Array], case: CaseLike) -> list[Loop]:
-    """Find the springs whose force is among the columns of a history.
-
-    Parameters
-    ----------
-    columns : mapping of str to numpy.ndarray, each shape (n,)
-        Columns by their names in a dataset.
-    case : Case or path
-        The case that was simulated.
-
-    Returns
-    -------
-    list of Loop
-        As `find_loops`; empty when no column is a force.
-
-    Raises
-    ------
-    InputError
-        When an argument has the wrong type.
-    """
+    """Find the springs whose force is among the columns of a history."""
     case = case_of(case)
     if not isinstance(columns, Mapping):
         raise InputError(f"columns = {show(columns)}: must be columns of a history by their names")
@@ -203,18 +185,7 @@ def _names_of_storeys(case: Case) -> list[str]:
 
 
 def check_springs(case: CaseLike) -> None:
-    """Refuse a case without a spring whose force a history can hold.
-
-    Parameters
-    ----------
-    case : Case or path
-        The case.
-
-    Raises
-    ------
-    InputError
-        When it has no such spring.
-    """
+    """Refuse a case without a spring whose force a history can hold."""
     case = case_of(case)
     if not {"yielding", "cable", "fuse", "coupling", "restraint"} & case.groups.keys():
         source = case.source or "the case"
@@ -224,23 +195,7 @@ def check_springs(case: CaseLike) -> None:
 
 
 def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
-    """Group the loops by kind of spring.
-
-    Parameters
-    ----------
-    loops : iterable of Loop
-        From `find_loops`.
-
-    Returns
-    -------
-    dict
-        Loops by kind: 'frame', 'storey', 'cable', 'fuse', 'coupling', 'restraint'.
-
-    Raises
-    ------
-    InputError
-        When an argument has the wrong type.
-    """
+    """Group the loops by kind of spring."""
     found = to_items(loops)
     if found is None or not all(isinstance(loop, Loop) for loop in found):
         raise InputError(f"loops = {show(loops)}: must be the result of find_loops")

@@ -410,10 +410,7 @@ def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
 def _hysteresis(
     history: xr.Dataset, curve: xr.Dataset
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Return drift of the roof and resisting base shear of a run.
-
-    A history holds the force of the foundation on the structure, which has the opposite sign.
-    """
+    """Return drift of the roof and resisting base shear of a run."""
     history = dataset_of(history, "rwmf.simulate")
     if "time" not in history.dims or "base_shear_over_weight" not in history:
         raise InputError(

@@ -96,12 +96,7 @@ def _draw_between(
     left: list[Region],
     right: list[Region],
 ) -> None:
-    """Fill the regions between two frequencies.
-
-    Boundaries between equal regions are joined, and the uppermost region may end at the top of the
-    map. Where a region ends between the frequencies, each frequency represents half of the
-    interval.
-    """
+    """Fill the regions between two frequencies."""
     pairs = list(zip(left, right, strict=False))
     leaving = abs(len(left) - len(right))
     if leaving <= 1 and all(first[0] == second[0] for first, second in pairs):

@@ -117,10 +117,7 @@ def _call_beside(
 
 
 class _Worker:
-    """A thread that runs calls of the kernel and ends after some idle time.
-
-    Starting a thread costs as much as a short run: its first run allocates memory.
-    """
+    """A thread that runs calls of the kernel and ends after some idle time."""
 
     def __init__(self) -> None:
         self.tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()

@@ -72,11 +72,7 @@ def _notebook_bar(total: int, unit: str) -> Iterator[Progress]:
 
 
 def _find_bar() -> type | None:
-    """Return the class of the progress bar; None when the optional package is not installed.
-
-    The package is tqdm: pure Python without dependencies, maintained since 2013, suitable for
-    narrow and simple terminals. The import is here because only a terminal needs it.
-    """
+    """Return the class of the progress bar; None when the optional package is not installed."""
     try:
         from tqdm import tqdm
     except ModuleNotFoundError:

@@ -130,10 +130,7 @@ def check_count(values: Values, stated: float, key: str) -> None:
 
 
 def check_peak(values: Values, stated: str | None, key: str) -> None:
-    """Compare the largest sample with the peak of the header.
-
-    A file that is damaged, or another dialect of its format, rarely passes.
-    """
+    """Compare the largest sample with the peak of the header."""
     if stated is None or not stated.strip():
         return
     peak = abs(header_number(key, stated, above=-math.inf))

@@ -222,10 +222,7 @@ def choose_measure(kind: object, **options: Any) -> Intensity:  # noqa: ANN401 (
 
 
 def _percentile(values: Array, share: float) -> float:
-    """Return the value that a share of the directions does not exceed.
-
-    The values are samples of a periodic function of the direction, linear between them.
-    """
+    """Return the value that a share of the directions does not exceed."""
     low, high = np.minimum(values, np.roll(values, -1)), np.maximum(values, np.roll(values, -1))
     below, above = float(low.min()), float(high.max())
     spans = np.where(high > low, high - low, 1.0)

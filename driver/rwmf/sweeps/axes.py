@@ -435,9 +435,6 @@ class Rows(NamedTuple):
 class Layout:
     """Shape and identity of a sweep.
 
-    Runs with the same scene along each dimension differ in numbers only and form a group. A chunk
-    is a part of a group: neighbours in the order of the dimensions.
-
     Attributes
     ----------
     version : str

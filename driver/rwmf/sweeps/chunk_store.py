@@ -176,10 +176,7 @@ def _unpack(number: int, payload: bytes, layout: Layout) -> Chunk:
 
 
 def _open_locked(path: Path) -> BinaryIO:
-    """Open or create the file of this name, and lock it.
-
-    Another process may replace the file before the lock: finishing a sweep removes its journal.
-    """
+    """Open or create the file of this name, and lock it."""
     while True:
         file = open(path, "a+b", buffering=0, opener=_open_regular)  # noqa: SIM115
         try:

@@ -71,11 +71,7 @@ def run_in_threads(
     threads: int = 0,
     report: Report | None = None,
 ) -> Iterator[Chunk]:
-    """Compute chunks with threads of this process.
-
-    Many chunks are distributed whole, so that reading one overlaps with computing another. Few
-    chunks are computed one after the other, each with all threads of the kernel.
-    """
+    """Compute chunks with threads of this process."""
     n = count_threads(threads)
     alone = len(numbers) < _CHUNKS_A_THREAD * n
     counter = _Counter()

@@ -247,11 +247,7 @@ class Plan:
         return entries
 
     def checked(self) -> Plan:
-        """Let the kernel validate every scene and the extremes of every column.
-
-        The allowed values of a number form an interval. The other axes are at their first
-        positions.
-        """
+        """Let the kernel validate every scene and the extremes of every column."""
         # reuse the record of the previous case
         known = self._check_one(tuple(0 for _ in self.axes), "")
         keys = keys_of(self.layout.quantities)
@@ -451,11 +447,7 @@ def _base_entries(case: Case, axes: Sequence[Axis]) -> Entries:
 
 
 def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) -> Iterator[Axis]:
-    """Make the axes of width, mass ratio and period that the scene has.
-
-    Points contain them as columns; without values in points or grid there is no such axis. Derived
-    values that other axes change through masses and stiffnesses have none either.
-    """
+    """Make the axes of width, mass ratio and period that the scene has."""
     follows = {
         key for key in ("T_s", "gamma") if "frame" in case.groups and key in case.frame.derived
     }

@@ -62,11 +62,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
 def read_csv(
     path: Path, is_number: Callable[[str], bool]
 ) -> tuple[dict[str, npt.NDArray[np.generic]], npt.NDArray[np.int64]]:
-    """Read a CSV file: a line of names, then one line per row.
-
-    Commas, semicolons or tabs separate the values; beside the latter two a comma is a decimal
-    point. Lines that begin with # are comments, except a row whose first column is a text.
-    """
+    """Read a CSV file: a line of names, then one line per row."""
     _check(path)
     try:
         with path.open(encoding="utf-8-sig", errors="surrogateescape", newline="") as file:
