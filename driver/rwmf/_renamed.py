@@ -33,16 +33,27 @@ NAMES = {
 WORDS = {
     "merge": "rwmf sweep --merge PART ... --out FILE",
     "reproduce": "tools/run reproduce, in a checkout of the project",
+    "records join": "rwmf.records.sequence (page Records)",
     "records list": "rwmf records export",
+    "records process": "rwmf records convert",
     "study bands": _RECIPE,
     "study fragility": "rwmf stripes and rwmf fragility",
     "study friction": _RECIPE,
     "study spectra": _RECIPE,
+    "--confidence": "--resamples N,SHARE",
     "--csv": "--out FILE.csv",
+    "--damping": "--intensity KIND:PERIOD@DAMPING",
+    "--dt": "--unit UNIT,S",
     "--file": "--out FILE",
+    "--forces": "--pattern F1,F2",
     "--nrml": "--out FILE.xml",
+    "--period": "--intensity KIND:PERIOD@DAMPING",
+    "--periods": "--intensity KIND:PERIODS",
+    "--plot": "--out FILE.png",
     "--quantity": "--quantities",
     "--report": "--out FILE.html",
+    "--seed": "--resamples N,SHARE,SEED",
+    "--workers": "--engine NAME:N",
 }
 
 

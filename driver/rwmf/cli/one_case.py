@@ -259,10 +259,11 @@ def run_pushover(options: argparse.Namespace) -> int:
     figures.check_formats(options.plot)
     check_words(case, options.checks)
     if options.run_too and not options.plot:
-        raise InputError("--run: needs --plot FILE, the figure with the hysteresis")
-    pattern = options.pattern or ("floors" if options.forces else None)
+        raise InputError("--run: needs a figure for the hysteresis, --out FILE.png")
     wanted = {} if options.drifts is None else {"drifts": options.drifts}
-    curve = pushover(case, pattern=pattern, forces=options.forces, steps=options.steps, **wanted)
+    curve = pushover(
+        case, pattern=options.pattern, forces=options.forces, steps=options.steps, **wanted
+    )
     if options.out:
         files.write_bytes(options.out, _table(curve).encode())
     if options.plot:

@@ -12,7 +12,7 @@ from rwmf.cli.command_table import COMMANDS, GROUPS, Command
 from rwmf.kernel.names import shorten
 
 _DESCRIPTION = "Dynamic response of post-tensioned rocking wall-moment frames."
-_EXAMPLE = "example: rwmf spectrum inputs/fig12_one_cosine.nml --plot cosine.png"
+_EXAMPLE = "example: rwmf spectrum inputs/fig12_one_cosine.nml --out cosine.png"
 _FAMILIES = {
     "study": "A study from a case: overturning map, effect of the wall, equal response.",
     "records": "Ground motions: peaks and intensities, formats, suites, sequences.",
@@ -97,7 +97,8 @@ def make_parser() -> argparse.ArgumentParser:
         )
         added.set_defaults(run=command.run)
         for word in command.words:
-            added.add_argument(*word.names, **word.settings)
+            action = added.add_argument(*word.names, **word.settings)
+            added.set_defaults(**getattr(action, "further", {}))
     return parser
 
 

@@ -87,53 +87,32 @@ def _print_facts(found: list[dict[str, Any]]) -> None:
 
 
 def convert(options: argparse.Namespace) -> int:
-    """Write one channel of a record for `&motion` (``rwmf records convert``)."""
-    motion = records.read(options.record, unit=options.unit, dt=options.dt, channel=options.channel)
-    _write(motion, options, [options.record])
-    return 0
-
-
-def join(options: argparse.Namespace) -> int:
-    """Join main shock and aftershock (``rwmf records join``)."""
-    motion = records.sequence(
-        options.main,
-        options.after,
-        options.pause,
-        options.factors,
-        unit=options.unit,
-        dt=options.dt,
-    )
-    _write(motion, options, [options.main, options.after])
-    return 0
-
-
-def process(options: argparse.Namespace) -> int:
-    """Correct a record by explicit steps (``rwmf records process``)."""
+    """Write a channel as columns, corrected by explicit steps (``rwmf records convert``)."""
+    if options.out is None:
+        raise InputError("records convert: needs --out FILE")
     files.check_outputs([options.out, options.plot], [options.record])
     figures.check_formats(options.plot)
     raw = records.read(options.record, unit=options.unit, dt=options.dt, channel=options.channel)
-    found = records.process(
-        raw,
-        resample=options.resample,
-        baseline=options.baseline,
-        taper=options.taper,
-        band=options.band,
-        poles=options.poles,
-    )
-    crc = zlib.crc32(Path(options.record).read_bytes())
-    steps = [f"{i}. {step}" for i, step in enumerate(found.steps, 1)]
-    header = [f"{raw.name}, from {Path(options.record).name} (CRC-32 {crc:08x})", *steps]
-    header.append(f"by rwmf records process {rwmf.__version__}")
-    header.append(f"dt = {found.motion.dt!r} s, units: {found.motion.unit}")
-    waves = {"before": waveform_of(raw, G), "after": waveform_of(found.motion, G)}
-    for name, wave in waves.items():
-        print(
-            f"{name:7s} PGA {wave.peak_acceleration()[0] / G:.5g} g, PGV "
-            f"{wave.peak_velocity()[0]:.5g} m/s, PGD {wave.peak_displacement()[0]:.5g} m; at the "
-            f"end {wave.velocities()[0, -1]:.2g} m/s, {wave.displacements()[0, -1]:.2g} m"
-        )
-    print("\n".join(steps))
-    _write(found.motion, options, [options.record], header)
+    steps = {name: getattr(options, name) for name in ("resample", "baseline", "taper", "band")}
+    if any(step is not None for step in steps.values()):
+        found = records.process(raw, **steps, poles=options.poles)
+        crc = zlib.crc32(Path(options.record).read_bytes())
+        lines = [f"{i}. {step}" for i, step in enumerate(found.steps, 1)]
+        header = [f"{raw.name}, from {Path(options.record).name} (CRC-32 {crc:08x})", *lines]
+        header.append(f"by rwmf records convert {rwmf.__version__}")
+        header.append(f"dt = {found.motion.dt!r} s, units: {found.motion.unit}")
+        waves = {"before": waveform_of(raw, G), "after": waveform_of(found.motion, G)}
+        for name, wave in waves.items():
+            print(
+                f"{name:7s} PGA {wave.peak_acceleration()[0] / G:.5g} g, PGV "
+                f"{wave.peak_velocity()[0]:.5g} m/s, PGD {wave.peak_displacement()[0]:.5g} m; at "
+                f"the end {wave.velocities()[0, -1]:.2g} m/s, {wave.displacements()[0, -1]:.2g} m"
+            )
+        print("\n".join(lines))
+        _write(found.motion, options, header)
+    else:
+        waves = {"before": waveform_of(raw, G)}
+        _write(raw, options, [])
     if options.plot:
         with new_figure(4.6) as figure:
             draw_records(figure, {name: curves(wave, G) for name, wave in waves.items()})
@@ -142,12 +121,9 @@ def process(options: argparse.Namespace) -> int:
     return 0
 
 
-def _write(
-    motion: Motion, options: argparse.Namespace, inputs: list[str], header: Sequence[str] = ()
-) -> None:
+def _write(motion: Motion, options: argparse.Namespace, header: Sequence[str]) -> None:
     """Write a motion, and print the keys that read it."""
     target = Path(options.out)
-    files.check_outputs([target], inputs)
     if target.exists() and not options.force:
         raise OutputError(f"{target}: is there already; --force replaces it")
     motion.write(target, header)

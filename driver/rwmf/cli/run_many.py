@@ -37,9 +37,9 @@ def is_wanted(options: argparse.Namespace) -> bool:
 
 def run(options: argparse.Namespace) -> int:
     """Run all cases and write a row for each, those that fail included."""
-    for word in ("plot", "loops", "checks"):
-        if getattr(options, word):
-            raise InputError(f"--{word}: needs one case without a table; {len(options.case)} given")
+    for name, word in (("plot", "--out FILE.png"), ("loops", "--loops"), ("checks", "--checks")):
+        if getattr(options, name):
+            raise InputError(f"{word}: needs one case without a table; {len(options.case)} given")
     if not (options.out or options.json):
         raise InputError("several cases need --out TABLE.csv, .nc or .jsonl, or --json")
     if options.out and Path(options.out).suffix not in TABLES:

@@ -134,8 +134,8 @@ def test_keys_that_do_not_apply_are_absent(command: Runner, tmp_path: Path) -> N
 
 def test_plots(command: Runner, case_file: Path) -> None:
     folder, suffix = case_file.parent, "svg"
-    assert command("run", case_file, "--plot", f"run.{suffix}").returncode == 0
-    assert command("spectrum", case_file, "--plot", f"spectrum.{suffix}").returncode == 0
+    assert command("run", case_file, "--out", f"run.{suffix}").returncode == 0
+    assert command("spectrum", case_file, "--out", f"spectrum.{suffix}").returncode == 0
     assert command("run", case_file, "--loops", f"loops.{suffix}").returncode == 0
     assert (folder / f"loops.{suffix}").stat().st_size > 1000
     assert (folder / f"run.{suffix}").stat().st_size > 1000

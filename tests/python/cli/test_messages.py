@@ -120,7 +120,7 @@ def test_run_names_what_it_writes(
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     coupled(solver={"t_end": 0.5}).to_namelist("case.nml")
-    words = ["run", "case.nml", "--plot", "a.svg", "--loops", "b.svg", "--out", "."]
+    words = ["run", "case.nml", "--out", "a.svg", "--loops", "b.svg", "--out", "."]
     assert cli.main(words) == 0
     told = re.findall(r"^written: (.*)$", capsys.readouterr().out, re.MULTILINE)
     found = {path.name for path in tmp_path.iterdir()} - {"case.nml"}

@@ -265,7 +265,7 @@ def test_what_other_users_leave_stays(start: Run, tmp_path: Path) -> None:
     prepare(tmp_path)
     dead, _ = _make_leftovers(tmp_path)
     _give_away(dead)
-    for name in ("spectrum --plot", "rwmf-batch"):
+    for name in ("spectrum --out", "rwmf-batch"):
         assert start(WRITERS[name].words).returncode == 0
         assert dead.exists()
 
@@ -289,11 +289,10 @@ with files.replacing("x.txt") as stream:
 @pytest.mark.parametrize(
     "words",
     [
-        ["run", "case.nml", "--plot", "in.svg"],
+        ["run", "case.nml", "--out", "in.svg"],
         ["run", "case.nml", "--loops", "in.svg"],
         ["spectrum", "case.nml", "--out", "case.nml"],
         ["spectrum", "case.nml", "--out", "in.svg"],
-        ["spectrum", "case.nml", "--plot", "in.svg"],
         ["spectrum", "case.nml", "--out", "motion.txt"],
         ["spectrum", "case.nml", "--out", "other/../motion.txt"],
         ["spectrum", "case.nml", "--out", "hard.txt"],
@@ -303,17 +302,17 @@ with files.replacing("x.txt") as stream:
         ["sweep", "sweep.nml", "--out", "sweep.nml", "--restart"],
         ["sweep", "--out", "part1.csv", "--merge", "part1.csv"],
         ["pushover", "case.nml", "--out", "case.nml"],
-        ["pushover", "case.nml", "--plot", "two.svg", "--out", "two.svg"],
+        ["pushover", "case.nml", "--out", "two.svg", "--checks", "two.svg"],
         ["study", "wall", "case.nml", "--out", "case.nml"],
-        ["study", "wall", "case.nml", "--plot", "in.svg"],
-        ["study", "wall", "case.nml", "--records", "r.txt", "--unit", "g", "--plot", "r.svg"],
-        ["cost", "case.nml", "--plot", "in.svg"],
+        ["study", "wall", "case.nml", "--out", "in.svg"],
+        ["study", "wall", "case.nml", "--records", "r.txt", "--unit", "g", "--out", "r.svg"],
+        ["cost", "case.nml", "--out", "in.svg"],
         ["animate", "case.nml", "--out", "in.gif"],
         ["run", "case.nml", "--out", "linked"],
         ["rwmf-batch", "case.nml", "--out", "linked"],
         ["rwmf-batch", "case.nml", "case.summary.csv"],
-        ["run", "case.nml", "--plot", "twice.svg", "--loops", "twice.svg"],
-        ["spectrum", "case.nml", "--plot", "twice.svg", "--out", "./twice.svg"],
+        ["run", "case.nml", "--out", "twice.svg", "--loops", "twice.svg"],
+        ["spectrum", "case.nml", "--out", "twice.svg", "--checks", "./twice.svg"],
     ],
     ids=" ".join,
 )

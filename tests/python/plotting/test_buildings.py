@@ -149,7 +149,7 @@ def test_run_draws_demands_that_the_case_does_not_ask_for(
         )
     ):
         case.to_namelist("case.nml")
-        assert cli.main(["run", "case.nml", "--plot", f"{k}.png", "--json"]) == 0
+        assert cli.main(["run", "case.nml", "--out", f"{k}.png", "--json"]) == 0
         run, asked = drawn[k], rwmf.simulate(case)
         peak = "theta_max_over_alpha" if case.frame is None else "u_s_max"
         assert float(run[peak]) == float(asked[peak])

@@ -379,7 +379,7 @@ def test_the_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
         "--band",
         "0.2,1.5",
     ]
-    options = ["--n", "1", "--pairs", "--limits", "0.001,1000", "--out", str(suite), "--plot",
+    options = ["--n", "1", "--pairs", "--limits", "0.001,1000", "--out", str(suite), "--out",
                str(picture), "--json"]  # fmt: skip
     assert cli.main([*words, *options]) == 0
     told = json.loads(capsys.readouterr().out)
@@ -431,9 +431,9 @@ def test_a_sequence_of_different_files(tmp_path: Path) -> None:
         records.sequence(slow, _motion(1), 2.0)
     with pytest.raises(InputError, match=r"pause = 0.01: must be at least"):
         records.sequence(slow, fast, 0.01)
+    files = _at2(tmp_path / "a.AT2", 1), _at2(tmp_path / "b.AT2", 2)
     out = tmp_path / "sequence.txt"
-    words = ["records", "join", str(_at2(tmp_path / "a.AT2", 1)), str(_at2(tmp_path / "b.AT2", 2))]
-    assert cli.main([*words, "--out", str(out), "--pause", "4", "--factors", "1,0.5"]) == 0
+    records.sequence(*files, 4.0, (1.0, 0.5)).write(out)
     joined = records.sequence(_motion(1), _motion(2), 4.0, (1.0, 0.5))
     assert np.array_equal(records.read(out, unit="g", dt=_DT).values, joined.values)
 

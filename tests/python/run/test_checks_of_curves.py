@@ -184,7 +184,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case = _retrofit()
     case.to_namelist(path)
     words = ["pushover", str(path), "--drifts", "0.01", "--steps", "20"]
-    files = ["--checks", str(table), str(figure), "--plot", str(drawn)]
+    files = ["--checks", str(table), str(figure), "--out", str(drawn)]
     assert cli.main([*words, *files]) == 0
     out = capsys.readouterr().out
     assert "reached at" in out

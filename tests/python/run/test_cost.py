@@ -182,7 +182,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     path = tmp_path / "frame.nml"
     path.write_text(FRAME, encoding="utf-8")
     plot = tmp_path / "cost.png"
-    assert cli.main(["cost", str(path), "--json", "--plot", str(plot)]) == 0
+    assert cli.main(["cost", str(path), "--json", "--out", str(plot)]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert {"reference", "rows", "recommended"} <= set(printed)
     keys = {"method", "rtol", "relative_error", "seconds", "steps", "rhs_evaluations"}

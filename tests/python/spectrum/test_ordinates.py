@@ -84,7 +84,7 @@ def test_labels_and_files(folder: Path, tmp_path: Path, capsys: pytest.CaptureFi
     groups |= {"output": None, "spectrum": {"T_s": list(_PERIODS), "quantities": ("ductility",)}}
     path.write_text(compose({name: keys for name, keys in groups.items() if keys is not None}))
     words = ["spectrum", str(path), "--quantities", "ductility", "impacts"]
-    files = ["--out", str(tmp_path / "a.csv"), "--plot", str(tmp_path / "a.svg")]
+    files = ["--out", str(tmp_path / "a.csv"), "--out", str(tmp_path / "a.svg")]
     assert main([*words, "--json", *files]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert {"ductility", "impacts", "status"} <= set(shown)

@@ -518,15 +518,15 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) 
     for motion in suite(3):
         times = np.column_stack([motion.times, motion.values])
         np.savetxt(f"{motion.name}.csv", times, fmt="%.17g", delimiter=",")
-    how = "--records r0.csv r1.csv r2.csv --unit m/s2 --period 1.2 --damping 0.05"
+    how = "--records r0.csv r1.csv r2.csv --unit m/s2 --intensity pseudo_acceleration:1.2@0.05"
     two = f"weak.nml strong.nml {how}"
     for words in (
-        f"ida {two} --levels 0.1,0.3 --tolerance 0.2 --out ida.csv --plot ida.png",
+        f"ida {two} --levels 0.1,0.3 --tolerance 0.2 --out ida.csv --out ida.png",
         f"stripes {two} --levels 0.1,0.2,0.4 --out stripes.nc --pelicun demands",
-        f"cloud {two} --factors 0.02,0.1 --out cloud.csv --plot cloud.png",
+        f"cloud {two} --factors 0.02,0.1 --out cloud.csv --out cloud.png",
         "fragility ida.csv --mce 0.2 --dispersions 0.3 --resamples 20 --out f.nc --out f.xml "
-        "--plot f.png --shape-factor 1.2,4,Dmax",
-        "risk f.nc --hazard 1e-4,2.3 --out r.nc --plot r.png",
+        "--out f.png --shape-factor 1.2,4,Dmax",
+        "risk f.nc --hazard 1e-4,2.3 --out r.nc --out r.png",
     ):
         assert cli.main(words.split()) == 0, capsys.readouterr().err
         out = capsys.readouterr().out

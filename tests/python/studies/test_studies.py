@@ -97,7 +97,7 @@ def test_commands_draw_and_write(
     case = _overturning_block() if words[0] == "overturning" else coupled(solver=QUICK)
     case.to_namelist("case.nml")
     status = cli.main(
-        ["study", words[0], "case.nml", *words[1:], "--plot", "x.png", "--out", "x.nc"]
+        ["study", words[0], "case.nml", *words[1:], "--out", "x.png", "--out", "x.nc"]
     )
     assert status == 0
     assert Path("x.png").stat().st_size > 5000
