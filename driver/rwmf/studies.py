@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from rwmf._renamed import moved
+from rwmf._renamed import of_module
 from rwmf.assess.pulses import equal_response, overturning_map
 from rwmf.assess.table import demand_percentiles
 from rwmf.assess.wall_effect import restitution, wall_effect
@@ -15,9 +15,5 @@ __all__ = [
     "wall_effect",
 ]
 
-
 if not TYPE_CHECKING:
-
-    def __getattr__(name: str) -> object:
-        """Name the replacement of an earlier spelling."""
-        raise AttributeError(moved(f"studies.{name}"))
+    __getattr__ = of_module("studies")

@@ -45,7 +45,7 @@ class AnalysisOptions(SweepOptions, total=False):
     Attributes
     ----------
     intensity : str, optional
-        A kind of `rwmf.intensity`; otherwise the scene's default.
+        A kind of `rwmf.records.intensity`; otherwise the scene's default.
     period, damping : float, optional
         Period [s] and damping ratio [-] of the oscillator, both or none; several designs need them
         unless their own are equal.
@@ -117,7 +117,7 @@ def ida(
     case : Case, path, mapping or sequence
         The structure, or several designs: a mapping of names to cases, or paths.
     records : sequence of str, path, Motion or RecordFile
-        The suite, see `rwmf.find_records`.
+        The suite, see `rwmf.records.find_records`.
     levels : sequence of float
         Intensities: accelerations over g [-], others in SI units.
     quantities : str or sequence of str, optional

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
+import numpy.typing as npt
 
 from rwmf.case.group import Group
 from rwmf.case.groups import TYPES, Groups
@@ -17,7 +18,7 @@ from rwmf.case.namelist import compose, numbers_of, read_text
 from rwmf.errors import InputError, did_you_mean, without_lines
 from rwmf.kernel import files, kernel_case, tables
 from rwmf.kernel.names import problem_of_name
-from rwmf.kernel.numbers import show
+from rwmf.kernel.numbers import show, to_array, to_items
 
 
 def changes_without_wall(case: Case) -> dict[str, dict[str, object] | None]:
@@ -363,6 +364,37 @@ class Case(Groups):
         if self.frame is None:
             raise InputError("the case has no &frame: nothing is left without the wall")
         return self.replace(**changes_without_wall(self))
+
+    def paper_coefficients(self, theta: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Compute the coefficients A_i and B_i of Eq. (15) of the paper.
+
+        theta_ddot = A_1 theta_dot**2 + A_2 theta_dot + A_3 u_g_ddot + A_4 for theta < 0, and the
+        same with B_i for theta > 0. Wall, frame, cable and g of the case count, and nothing else.
+
+        Parameters
+        ----------
+        theta : float or sequence of float
+            Rotations [rad]. At 0 the sign of the zero selects A_i (-0.0) or B_i.
+
+        Returns
+        -------
+        numpy.ndarray, shape (4,) or (n, 4)
+            The coefficients [-], [1/s], [1/m], [1/s2].
+
+        Raises
+        ------
+        InputError
+            When the case has no wall or no period, or theta is no array of numbers.
+
+        Examples
+        --------
+        >>> block = rwmf.Case(wall={"h": 2.0, "b": 0.5}, solver={"t_end": 1.0})
+        >>> block.paper_coefficients(0.0)[3] < 0 < block.paper_coefficients(-0.0)[3]
+        True
+        """
+        rotations = to_array("theta", [theta] if to_items(theta) is None else theta, least=1)
+        found = self.kernel.paper_coefficients(rotations)
+        return found[0] if to_items(theta) is None else found
 
     def to_namelist(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return namelist text with the same results, and write it to a file if given.

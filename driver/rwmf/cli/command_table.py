@@ -188,7 +188,7 @@ def _analysis(name: str, text: str) -> Command:
         _parts(
             "--intensity",
             "intensity period damping periods",
-            "measure, a kind of rwmf.intensity, with periods in s and damping ratio of its "
+            "measure, a kind of rwmf.records.intensity, with periods in s and damping ratio of its "
             "oscillators: pseudo_acceleration:1.0@0.05",
             "KIND[:PERIODS[@DAMPING]]",
             intensity,

