@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy.special import log_ndtr
 
-from rwmf.assess.fits import exceedance, log_normal_cdf
+from rwmf.assess.fits import exceedance
 from rwmf.assess.table import read_columns, warnings_of
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
@@ -417,7 +418,7 @@ def closed_form(
         a, b = cuts[..., :-1] + k * beta, cuts[..., 1:] + k * beta
         # the tail with the smaller numbers keeps the digits of the difference
         low, high = np.where(a > 0, -b, a), np.where(a > 0, -a, b)
-        least, most = log_normal_cdf(low)[0], log_normal_cdf(high)[0]
+        least, most = log_ndtr(low), log_ndtr(high)
         share = most + np.log1p(-np.exp(np.where(high > low, least - most, 0.0)))
         terms = np.exp(hazard.factors - k * centre + 0.5 * (k * beta) ** 2 + share)
     return np.asarray(np.sum(np.where(high > low, terms, 0.0), axis=-1))

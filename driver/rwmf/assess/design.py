@@ -26,7 +26,6 @@ from rwmf.assess.targets import (
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError, warn
-from rwmf.kernel.extras import how_to_install
 from rwmf.kernel.numbers import show, to_items, to_number, to_whole
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.sweeps.axes import key_of_column
@@ -51,10 +50,8 @@ def cheapest(
     guess: Array | None = None,
 ) -> Array:
     """Find the cheapest design that meets all targets, or else the one nearest to them."""
-    try:
-        from scipy.optimize import Bounds, NonlinearConstraint, differential_evolution
-    except ImportError:
-        raise InputError(f"a design needs SciPy: {how_to_install('design')}") from None
+    from scipy.optimize import Bounds, NonlinearConstraint, differential_evolution
+
     low = np.array([item.low for item in variables])
     high = np.array([item.high for item in variables])
     n = max(_GENERATION[0] * len(variables), _GENERATION[1])

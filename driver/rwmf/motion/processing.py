@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from rwmf.case import Motion
 from rwmf.errors import InputError
-from rwmf.kernel.extras import how_to_install
 
 _IN_SI = {"m/s2": 1.0, "cm/s2": 0.01}
 # rounding of times that still fit a common interval, over the interval [-]
@@ -176,10 +175,8 @@ def _tapered(a: Array, dt: float, length: float) -> Array:
 
 def _filtered(a: Array, dt: float, band: tuple[float, float], poles: int) -> tuple[Array, str]:
     """Filter in both directions by Butterworth's filter, with zeros at both ends."""
-    try:
-        from scipy.signal import butter, sosfiltfilt
-    except ModuleNotFoundError:
-        raise InputError(f"band: needs scipy: {how_to_install('design')}") from None
+    from scipy.signal import butter, sosfiltfilt
+
     low, high = band
     highest = 0.5 / dt
     if not 0 <= low < high or not (low > 0 or np.isfinite(high)):
