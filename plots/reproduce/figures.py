@@ -12,17 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from rwmf.errors import InputError
 from rwmf.figures import image_files
-from rwmf.figures.styles import (
-    ALONE,
-    COLOURS,
-    DOTS,
-    INK,
-    LEVEL,
-    NESTED,
-    legend_below,
-    new_figure,
-    series,
-)
+from rwmf.figures.styles import ALONE, COLOURS, DOTS, INK, LEVEL, NESTED, legend_below, new_figure, series
 from rwmf.kernel.names import shorten
 from rwmf.run.spectrum import start
 

@@ -21,8 +21,8 @@ import xarray as xr
 from rwmf.case.arguments import checked, path_of, texts_of
 from rwmf.errors import InputError
 from rwmf.kernel import files
+from rwmf.kernel.files import new_file
 from rwmf.kernel.names import readable, shorten
-from rwmf.kernel.netcdf_file import new_file
 from rwmf.kernel.numbers import first_masked, show, to_array
 from rwmf.run.quantities import ENDINGS, find_quantities
 from rwmf.sweeps import netcdf

@@ -30,9 +30,8 @@ from rwmf.cli.words import numbers
 from rwmf.errors import InputError, Interrupted
 from rwmf.figures import image_files as figures
 from rwmf.figures import study_figures as plots
-from rwmf.figures.styles import new_figure
 from rwmf.kernel import files
-from rwmf.kernel.netcdf_file import new_file
+from rwmf.kernel.files import new_file
 from rwmf.kernel.progress import progress, progress_bar
 from rwmf.motion.record_sets import find_records
 from rwmf.run.quantities import ENDINGS, names_by_key
@@ -273,9 +272,8 @@ def _finish(
         with new_file(Path(options.out)) as (file, _):
             found.dump_to_store(xr.backends.H5NetCDFStore(file))
     if options.plot:
-        with new_figure(3.8) as figure:
+        with figures.drawn(options.plot, 3.8) as figure:
             draw(found, figure.subplots())
-            figures.save(figure, options.plot)
     print_written([options.out, options.plot])
     if not options.out and not options.plot:
         print(found)

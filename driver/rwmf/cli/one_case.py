@@ -35,10 +35,8 @@ from rwmf.figures import results as plot_cost
 from rwmf.figures.film import animate, in_words
 from rwmf.figures.results import OF_LIMIT, words_of_mark
 from rwmf.figures.results import pushover as draw
-from rwmf.figures.styles import new_figure
 from rwmf.hosts.fmu import export_fmu
-from rwmf.hosts.opensees_run import compare_with_opensees, run_opensees
-from rwmf.hosts.opensees_script import opensees_script
+from rwmf.hosts.opensees_script import compare_with_opensees, opensees_script, run_opensees
 from rwmf.kernel import files
 from rwmf.kernel.progress import progress
 from rwmf.run.pushover import pushover
@@ -57,12 +55,11 @@ def run_cost(options: argparse.Namespace) -> int:
     with progress() as report:
         found = cost(case, options.target, report, options.quantities)
     if options.plot:
-        with new_figure(4.2) as figure:
+        with figures.drawn(options.plot, 4.2) as figure:
             left, right = figure.subplots(1, 2, sharey=True)
             plot_cost.work_precision(found, left, legend=False)
             plot_cost.work_precision(found, right, over="rhs_evaluations")
             right.label_outer()
-            figures.save(figure, options.plot)
     if options.json:
         print_json(found.to_dict())
     else:
@@ -268,9 +265,8 @@ def run_pushover(options: argparse.Namespace) -> int:
         files.write_bytes(options.out, _table(curve).encode())
     if options.plot:
         history = _history(case) if options.run_too else None
-        with new_figure(3.8) as figure:
+        with figures.drawn(options.plot, 3.8) as figure:
             draw(curve, figure.subplots(), history=history)
-            figures.save(figure, options.plot)
     print_warnings(options.case, curve.attrs["warnings"].splitlines())
     checks = _checks(case, curve, options)
     write_checks(checks, options.checks)

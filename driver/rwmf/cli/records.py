@@ -14,7 +14,6 @@ from rwmf.cli.output import print_json, print_warnings, print_written, printed_w
 from rwmf.errors import InputError, OutputError
 from rwmf.figures import image_files as figures
 from rwmf.figures.ground import draw_records, draw_selection
-from rwmf.figures.styles import new_figure
 from rwmf.kernel import files
 from rwmf.motion import records
 from rwmf.motion.intensity import G
@@ -53,9 +52,8 @@ def info(options: argparse.Namespace) -> int:
         item for file in options.files for item in describe(Path(file), options.unit, options.dt, G)
     ]
     if options.plot:
-        with new_figure(4.6) as figure:
+        with figures.drawn(options.plot, 4.6) as figure:
             draw_records(figure, _named_curves(found))
-            figures.save(figure, options.plot)
     for facts, _ in found:
         print_warnings(f"{facts['file']}: {facts['name']}", facts["warnings"])
     if options.json:
@@ -114,9 +112,8 @@ def convert(options: argparse.Namespace) -> int:
         waves = {"before": waveform_of(raw, G)}
         _write(raw, options, [])
     if options.plot:
-        with new_figure(4.6) as figure:
+        with figures.drawn(options.plot, 4.6) as figure:
             draw_records(figure, {name: curves(wave, G) for name, wave in waves.items()})
-            figures.save(figure, options.plot)
     print_written([options.plot])
     return 0
 
@@ -151,10 +148,9 @@ def select(options: argparse.Namespace) -> int:
     if options.out:
         records.write_suite(found, options.out)
     if options.plot:
-        with new_figure(3.6) as figure:
+        with figures.drawn(options.plot, 3.6) as figure:
             label = f"$S_a$({100 * options.damping:g} %) (g)"
             draw_selection(figure, found.periods, found.target, found.spectra, label)
-            figures.save(figure, options.plot)
     rows = list(zip(found.names, found.records, strict=True))
     if options.json:
         print_json(

@@ -20,7 +20,6 @@ from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.figures import image_files as figures
 from rwmf.figures import risk_figures as plots
-from rwmf.figures.styles import new_figure
 from rwmf.kernel import files
 from rwmf.kernel.progress import progress
 from rwmf.motion.record_sets import find_records
@@ -79,10 +78,9 @@ def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.D
     if options.pelicun:
         written += [path for path, _ in write_pelicun(table, Path(options.pelicun))]
     if options.plot:
-        with new_figure(3.8) as figure:
+        with figures.drawn(options.plot, 3.8) as figure:
             draw = plots.cloud if analysis == "cloud" else plots.ida
             draw(table, figure.subplots())
-            figures.save(figure, options.plot)
         written.append(options.plot)
     print_written(written)
     return 0
@@ -117,9 +115,8 @@ def fit(options: argparse.Namespace) -> int:
     for path in models:
         files.write_bytes(path, model.encode())
     if options.plot:
-        with new_figure(3.8) as figure:
+        with figures.drawn(options.plot, 3.8) as figure:
             plots.fragility(curves, figure.subplots())
-            figures.save(figure, options.plot)
     print_written([*options.out, options.plot], is_json=options.json)
     return 0
 
@@ -136,12 +133,11 @@ def integrate(options: argparse.Namespace) -> int:
     _print_results(found, [*names, "probability_50_years", "extrapolated"], options, [options.out])
     if options.plot:
         edges = found["intensity_low"].values[1:]
-        with new_figure(3.8) as figure:
+        with figures.drawn(options.plot, 3.8) as figure:
             left, right = figure.subplots(1, 2)
             plots.hazard(hazard, left, edges)
             left.set_xlabel(plots.intensity_label(found.attrs))
             plots.deaggregation(found, right)
-            figures.save(figure, options.plot)
     print_written([options.out, options.plot], is_json=options.json)
     return 0
 

@@ -25,8 +25,14 @@ from rwmf.case import Case
 from rwmf.case.elements import heights_of_storeys, total
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.explorer.controls import describe
-from rwmf.explorer.presets import PRESETS, case_of_preset
-from rwmf.explorer.questions import BadQuestionError, Question, case_of, given
+from rwmf.explorer.questions import (
+    PRESETS,
+    BadQuestionError,
+    Question,
+    case_of,
+    case_of_preset,
+    given,
+)
 from rwmf.figures import loops
 from rwmf.figures.film import ground_displacement
 from rwmf.figures.levels import (

@@ -37,8 +37,7 @@ from rwmf.case import Case
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError, OutputError, RwmfError
 from rwmf.explorer.model import as_files, encode, start
-from rwmf.explorer.presets import FIRST, case_of_preset
-from rwmf.explorer.questions import BadQuestionError, read
+from rwmf.explorer.questions import FIRST, BadQuestionError, case_of_preset, read
 from rwmf.explorer.workers import BrokenError, BusyError, Workers
 from rwmf.kernel.progress import in_notebook
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rwmf.case.namelist import compose
-from rwmf.figures.image_files import check_format, save
+from rwmf.figures.image_files import check_format, drawn
 from rwmf.figures.styles import INK, legend_above, new_figure, plain, series
 from rwmf.kernel import files
 from rwmf.kernel.names import readable
@@ -47,9 +47,8 @@ def write(found: Design, path: str | os.PathLike[str], commands: Sequence[str] =
     if Path(path).suffix.lower() == ".html":
         files.write_bytes(path, readable(_html(found, commands)).encode())
         return
-    with new_figure(_PAGE) as figure:
+    with drawn(path, _PAGE) as figure:
         _draw_page(figure, found, commands)
-        save(figure, path)
 
 
 def draw_checks(found: Design, ax: Axes) -> Axes:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +15,7 @@ from rwmf.figures import loops
 from rwmf.figures.profiles import demands_of, envelope, has_envelopes, profile
 from rwmf.figures.styles import make_panels, new_figure, plain
 from rwmf.kernel import files
-from rwmf.kernel.extras import how_to_install
+from rwmf.kernel.names import how_to_install
 from rwmf.run.quantities import names_by_key
 
 if TYPE_CHECKING:
@@ -55,6 +57,14 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         figure.savefig(stream, format=kind, metadata=dated.get(kind))
 
 
+@contextmanager
+def drawn(path: str | os.PathLike[str], height: float) -> Iterator[Figure]:
+    """Make a figure, and write it at the end of the block."""
+    with new_figure(height) as figure:
+        yield figure
+        save(figure, path)
+
+
 def _fix_layout(figure: Figure) -> None:
     """Lay the figure out, without the round-off of the layout, which differs between calls."""
     figure.draw_without_rendering()
@@ -80,7 +90,7 @@ def save_history(
     heights += [_PROFILE] * bool(demands)
     forces = case if demands and has_envelopes(dataset) else None
     heights += [_PROFILE] * (forces is not None)
-    with new_figure(sum(heights)) as figure:
+    with drawn(path, sum(heights)) as figure:
         upper: FigureBase = figure
         if demands:
             parts = figure.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
@@ -91,15 +101,13 @@ def save_history(
         axes = upper.subplots(len(names), 1, sharex=True, squeeze=False)
         plot.history(dataset, axes[:, 0], names, case=case)
         upper.align_ylabels()
-        save(figure, path)
 
 
 def save_loops(dataset: xr.Dataset, case: Case, path: str | os.PathLike[str]) -> None:
     """Draw the force-displacement loops of the springs into a file."""
     n = len(loops.group_by_kind(loops.find_loops(dataset, case)))
-    with new_figure(3.0) as figure:
+    with drawn(path, 3.0) as figure:
         loops.draw(dataset, case, figure.subplots(1, n, squeeze=False)[0])
-        save(figure, path)
 
 
 def save_spectrum(
@@ -110,9 +118,8 @@ def save_spectrum(
 ) -> None:
     """Draw a spectrum into a file, one panel per quantity."""
     names = list(names_by_key(name for name in dataset.data_vars if name != "status").values())
-    with new_figure(3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
+    with drawn(path, 3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
         panels = make_panels(figure.subplots(len(names)), len(names))
         for ax, name in zip(panels, names, strict=True):
             plot.spectrum(dataset, ax, bare, name)
         panels[0].set_title(plain(title))
-        save(figure, path)

@@ -21,8 +21,7 @@ from rwmf.case.arguments import checked
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, warn
 from rwmf.kernel import files
-from rwmf.kernel.extras import how_to_install
-from rwmf.kernel.names import problem_of_name, shorten
+from rwmf.kernel.names import how_to_install, problem_of_name, shorten
 from rwmf.kernel.numbers import show, to_number
 from rwmf.motion.lists import read_list
 from rwmf.motion.reader import (

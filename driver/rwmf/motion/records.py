@@ -17,7 +17,7 @@ from rwmf.case import Motion
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError, OutputError, did_you_mean
 from rwmf.kernel import files, tables
-from rwmf.kernel.extras import how_to_install
+from rwmf.kernel.names import how_to_install
 from rwmf.kernel.numbers import show, to_array, to_number, to_whole
 from rwmf.kernel.tables import unusual_record
 from rwmf.motion.formats import Channel

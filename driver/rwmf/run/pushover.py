@@ -16,9 +16,8 @@ from rwmf.kernel import results, tables
 from rwmf.kernel.numbers import show, to_array, to_number, to_whole
 from rwmf.run.arguments import dataset_of
 from rwmf.run.checks import crossings_of
-from rwmf.run.labels import Labelled, dataset
 from rwmf.run.quantities import INSTANT, QUANTITIES, find_numbered
-from rwmf.run.response import OWN, Response
+from rwmf.run.response import OWN, Labelled, Response, dataset
 from rwmf.run.simulation import by_quantity, label, level_coordinates, sizes_of
 
 PATTERNS = ("first_mode", "floors", "roof")

@@ -18,8 +18,7 @@ from rwmf.run.headline import tendon_yield_of
 from rwmf.run.quantities import Quantity, find_numbered
 
 if TYPE_CHECKING:
-    from rwmf.run.labels import Labelled
-    from rwmf.run.response import Response
+    from rwmf.run.response import Labelled, Response
 
 
 @checked
@@ -74,8 +73,7 @@ def start(case: Case) -> Iterator[results.Run]:
 def to_dataset(run: results.Run, case: Case) -> Response:
     """Label the kernel's result."""
     # imported here, so that a run without a dataset does not load xarray
-    from rwmf.run.labels import dataset
-    from rwmf.run.response import Response
+    from rwmf.run.response import Response, dataset
 
     summary = run.summary()
     columns, values = run.history()

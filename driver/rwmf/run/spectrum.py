@@ -16,8 +16,8 @@ from rwmf.errors import InputError
 from rwmf.kernel import results, tables
 from rwmf.kernel.numbers import to_array
 from rwmf.kernel.progress import Progress, Reports, reporting
-from rwmf.run.labels import dataset
 from rwmf.run.quantities import AXES, QUANTITIES, find, keys_of
+from rwmf.run.response import dataset
 
 Values = Sequence[float] | npt.NDArray[np.float64] | float
 

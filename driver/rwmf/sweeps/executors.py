@@ -16,7 +16,7 @@ from concurrent.futures import (
 from contextlib import contextmanager
 
 from rwmf.errors import InputError
-from rwmf.kernel.extras import how_to_install
+from rwmf.kernel.names import how_to_install
 from rwmf.kernel.results import check_threads
 from rwmf.sweeps.plan import Chunk, Task, run_task
 

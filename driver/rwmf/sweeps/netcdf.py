@@ -16,9 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.errors import InputError
-from rwmf.kernel.extras import how_to_install
-from rwmf.kernel.names import readable
-from rwmf.kernel.netcdf_file import new_file
+from rwmf.kernel.files import new_file
+from rwmf.kernel.names import how_to_install, readable
 from rwmf.run import quantities
 from rwmf.run.quantities import ORDINATES as QUANTITIES
 from rwmf.sweeps.axes import POINT, Coordinate, Layout, Scenes

@@ -16,7 +16,7 @@ from rwmf import cli
 from rwmf._renamed import NAMES
 from rwmf.cli.command_table import COMMANDS
 from rwmf.errors import InputError
-from rwmf.kernel import extras as _extras
+from rwmf.kernel import names as _extras
 from rwmf.kernel import tables
 from rwmf.run.quantities import QUANTITIES
 from scenes import coupled

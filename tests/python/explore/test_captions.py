@@ -9,7 +9,7 @@ import rwmf
 from checkout import ROOT
 from rwmf import Case
 from rwmf.explorer.model import captions_of, compare_with_frame, uplift_acceleration
-from rwmf.explorer.presets import case_of_preset
+from rwmf.explorer.questions import case_of_preset
 from rwmf.run.quantities import find
 
 BLOCK = case_of_preset("block")

@@ -18,8 +18,7 @@ from checkout import ROOT, Runner
 from page_client import Client, served
 from rwmf import Case
 from rwmf.explorer import model
-from rwmf.explorer.presets import case_of_preset
-from rwmf.explorer.questions import Question, given
+from rwmf.explorer.questions import Question, case_of_preset, given
 from rwmf.explorer.server import PageServer
 from rwmf.run import simulation as _simulation
 

@@ -15,8 +15,14 @@ from typing import Any
 import rwmf
 from rwmf.errors import RwmfError
 from rwmf.explorer.model import Model, start
-from rwmf.explorer.presets import PRESETS, Preset, case_of_preset
-from rwmf.explorer.questions import BadQuestionError, Question, given
+from rwmf.explorer.questions import (
+    PRESETS,
+    BadQuestionError,
+    Preset,
+    Question,
+    case_of_preset,
+    given,
+)
 
 __all__ = ["bundle", "write"]
 
