@@ -13,10 +13,10 @@ from pathlib import Path
 
 import rwmf
 from common import ROOT, fill, table
-from rwmf._cost import METHODS, PAPER, PRACTICES, Cost, Row, cheapest
-from rwmf.plotting import image_files as figures
-from rwmf.plotting import result_figures as plot_cost
-from rwmf.plotting.style import legend_below, new_figure
+from rwmf.assess.cost import METHODS, PAPER, PRACTICES, Cost, Row, cheapest
+from rwmf.figures import image_files as figures
+from rwmf.figures import results as plot_cost
+from rwmf.figures.styles import legend_below, new_figure
 
 # namelist in inputs/ without suffix, description
 CASES = {

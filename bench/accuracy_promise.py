@@ -20,7 +20,7 @@ import rwmf
 from common import table
 from random_cases import random_cases, with_storeys
 from rwmf import records
-from rwmf._sweep.intensity import find_quantities
+from rwmf.run.quantities import find_quantities
 
 ASKED = (1e-3, 1e-5, 1e-7, 1e-9)
 TRUSTED = 1e-11

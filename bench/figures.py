@@ -206,10 +206,10 @@ class Build:
 def _serve() -> None:
     """Answer requests, one a line: groups of a case and either keys, a run or rows."""
     import rwmf
-    from rwmf import _library
+    from rwmf.kernel import kernel_case, results
 
     @cache
-    def case_of(groups: str) -> _library.KernelCase:
+    def case_of(groups: str) -> kernel_case.KernelCase:
         return rwmf.Case(**json.loads(groups)).kernel
 
     for line in sys.stdin:
@@ -221,12 +221,12 @@ def _serve() -> None:
             if request["kind"] == "keys":
                 found = {"keys": scene.applicable(), "axes": list(scene.axes())}
             elif request["kind"] == "run":
-                with _library.start_simulation(scene, ""):
+                with results.start_simulation(scene, ""):
                     found = {"seconds": time.process_time() - begin}
             else:
                 columns, keys = request.get("columns", ["T_s"]), request["keys"]
                 table = np.array(request["table"]).reshape(-1, len(columns))
-                with _library.start_rows(scene, "", columns, table, keys, 1) as rows:
+                with results.start_rows(scene, "", columns, table, keys, 1) as rows:
                     found = {"seconds": (time.process_time() - begin) / len(table)}
                     values = rows.values()
                 found |= {key: np.ravel(values[key]).tolist() for key in ["status", *keys]}

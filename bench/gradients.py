@@ -25,8 +25,8 @@ import numpy as np
 import rwmf
 from common import ROOT, spent, table
 from rwmf import records
-from rwmf._gradient.held_keys import allowed_changes, find_parameters, scale_of
-from rwmf._gradient.lanes import Lanes, Request, Scenes
+from rwmf.assess.held_keys import allowed_changes, find_parameters, scale_of
+from rwmf.assess.lanes import Lanes, Request, Scenes
 
 from bending_scenes import bending_scene  # isort: skip
 from building_scenes import building_scene, case_of  # isort: skip

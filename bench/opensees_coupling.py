@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import rwmf
 from common import ROOT, read_rows, table, write_rows
-from rwmf.export.si_building import Frame, Law, read_building
+from rwmf.hosts.si_building import Frame, Law, read_building
 
 from exported_scenes import CABLE, FRAME, WALL  # isort: skip
 

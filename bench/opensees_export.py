@@ -15,8 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 from common import ROOT, read_rows, table, write_rows
-from rwmf.export.opensees import opensees_script
-from rwmf.export.opensees_run import Demand, compare_with_opensees, run_opensees
+from rwmf.hosts.opensees_script import Demand, compare_with_opensees, opensees_script, run_opensees
 
 from exported_scenes import CASES, case_of  # isort: skip
 

@@ -18,7 +18,7 @@ import numpy as np
 import rwmf
 from common import ROOT, least, spent, table
 from peers import GAMMAS, PEERS, Array, Peer, Record, case, read_record
-from rwmf._library import measure
+from rwmf.kernel import measure
 
 RECORD = ROOT / "inputs" / "records" / "elcentro.csv"
 TRUTH = ("dop853", 1e-13)

@@ -17,20 +17,13 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rwmf import coupling, hosts, loops, plot, records, sections, studies
-    from rwmf._checks.checks import Checks, LimitCheck, checks
-    from rwmf._cost import Cost, cost
-    from rwmf._design.design import Design, design
-    from rwmf._explore import explore
-    from rwmf._gradient.gradient import gradient
-    from rwmf._hosts import Element, Wall, Walls
-    from rwmf._paper import paper_coefficients
-    from rwmf._pushover import pushover
-    from rwmf._response import Response
-    from rwmf._risk import cloud, fragility, ida, risk, stripes
-    from rwmf._simulation import simulate
-    from rwmf._spectrum import spectrum
-    from rwmf._sweep import RecordFile, find_records, merge, sweep
-    from rwmf._sweep.intensity import intensity
+    from rwmf.assess.analyses import cloud, ida, stripes
+    from rwmf.assess.annual import risk
+    from rwmf.assess.cost import cost
+    from rwmf.assess.design import design
+    from rwmf.assess.fragility_curves import fragility
+    from rwmf.assess.gradient import gradient
+    from rwmf.assess.statistics import quantile
     from rwmf.case import Case, Motion
     from rwmf.errors import (
         InputError,
@@ -40,37 +33,45 @@ if TYPE_CHECKING:
         RwmfError,
         RwmfWarning,
     )
-    from rwmf.studies.statistics import quantile
+    from rwmf.explorer import explore
+    from rwmf.hosts.element import Element
+    from rwmf.hosts.wall import Wall, Walls
+    from rwmf.run.checks import checks
+    from rwmf.run.pushover import pushover
+    from rwmf.run.response import Response
+    from rwmf.run.simulation import simulate
+    from rwmf.run.spectrum import spectrum
+    from rwmf.sweeps.computation import sweep
 
     __version__: str
 
 __all__ = [
-    "Case", "Checks", "Cost", "Design", "Element", "InputError", "Interrupted", "LimitCheck",
-    "Motion", "NumericalError", "OutputError", "RecordFile", "Response", "RwmfError",
-    "RwmfWarning", "Wall", "Walls", "__version__", "checks", "cloud", "cost", "coupling",
-    "design", "explore", "find_records", "fragility", "gradient", "hosts", "ida", "intensity",
-    "loops", "merge", "paper_coefficients", "plot", "pushover", "quantile", "records", "risk",
-    "sections", "simulate", "spectrum", "stripes", "studies", "sweep",
+    "Case", "Element", "InputError", "Interrupted", "Motion", "NumericalError", "OutputError",
+    "Response", "RwmfError", "RwmfWarning", "Wall", "Walls", "__version__", "checks", "cloud",
+    "cost", "coupling", "design", "explore", "fragility", "gradient", "hosts", "ida", "loops",
+    "plot", "pushover", "quantile", "records", "risk", "sections", "simulate", "spectrum",
+    "stripes", "studies", "sweep",
 ]  # fmt: skip
 # public names of each module
 _HOMES = {
-    "_checks.checks": "Checks LimitCheck checks",
-    "_cost": "Cost cost",
-    "_design.design": "Design design",
-    "_explore": "explore",
-    "_gradient.gradient": "gradient",
-    "_hosts": "Element Wall Walls",
-    "_paper": "paper_coefficients",
-    "_pushover": "pushover",
-    "_response": "Response",
-    "_risk": "cloud fragility ida risk stripes",
-    "_simulation": "simulate",
-    "_spectrum": "spectrum",
-    "_sweep": "RecordFile find_records merge sweep",
-    "_sweep.intensity": "intensity",
+    "assess.analyses": "cloud ida stripes",
+    "assess.annual": "risk",
+    "assess.cost": "cost",
+    "assess.design": "design",
+    "assess.fragility_curves": "fragility",
+    "assess.gradient": "gradient",
+    "assess.statistics": "quantile",
     "case": "Case Motion",
     "errors": "InputError Interrupted NumericalError OutputError RwmfError RwmfWarning",
-    "studies.statistics": "quantile",
+    "explorer": "explore",
+    "hosts.element": "Element",
+    "hosts.wall": "Wall Walls",
+    "run.checks": "checks",
+    "run.pushover": "pushover",
+    "run.response": "Response",
+    "run.simulation": "simulate",
+    "run.spectrum": "spectrum",
+    "sweeps.computation": "sweep",
 }
 
 
@@ -78,7 +79,7 @@ def __getattr__(name: str) -> object:
     """Import a public name at its first use."""
     homes = [module for module, names in _HOMES.items() if name in names.split()]
     if name == "__version__":
-        found: object = import_module("rwmf._library").version()
+        found: object = import_module("rwmf.kernel.tables").version()
     elif homes:
         found = getattr(import_module(f"rwmf.{homes[0]}"), name)
     elif name in __all__:

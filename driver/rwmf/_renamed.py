@@ -1,5 +1,7 @@
 """Earlier spellings of public names and of words of the command line, with the new ones."""
 
+from collections.abc import Callable
+
 _RECIPE = "a recipe of the page Studies"
 _OF_HOSTS = (
     *("ElementEvent", "ElementResponse", "ElementSnapshot", "WallEvent", "WallEvents"),
@@ -7,7 +9,21 @@ _OF_HOSTS = (
 )
 # names within rwmf
 NAMES = {
+    "Checks": "the type of the result of rwmf.checks",
+    "Cost": "the type of the result of rwmf.cost",
+    "Design": "the type of the result of rwmf.design",
+    "LimitCheck": "the type of a row of rwmf.checks",
+    "RecordFile": "rwmf.records.RecordFile",
     "base_section": "rwmf.sections.base_section",
+    "find_records": "rwmf.records.find_records",
+    "intensity": "rwmf.records.intensity",
+    "merge": "rwmf sweep --merge PART ... --out FILE",
+    "paper_coefficients": "Case.paper_coefficients",
+    "plot.PANELS": "the default of rwmf.plot.history",
+    "records.RECORDS": "the list of rwmf records export",
+    "records.Record": "a line of rwmf records export",
+    "records.find": "rwmf.records.export",
+    "records.list_records": "the list of rwmf records export",
     "ufp_force": "rwmf.sections.ufp",
     "ufp_stiffness": "rwmf.sections.ufp",
     "studies.annual_frequency": "a function of yours (page Gradients)",
@@ -33,17 +49,37 @@ NAMES = {
 WORDS = {
     "merge": "rwmf sweep --merge PART ... --out FILE",
     "reproduce": "tools/run reproduce, in a checkout of the project",
+    "records join": "rwmf.records.sequence (page Records)",
     "records list": "rwmf records export",
+    "records process": "rwmf records convert",
     "study bands": _RECIPE,
     "study fragility": "rwmf stripes and rwmf fragility",
     "study friction": _RECIPE,
     "study spectra": _RECIPE,
+    "--confidence": "--resamples N,SHARE",
     "--csv": "--out FILE.csv",
+    "--damping": "--intensity KIND:PERIOD@DAMPING",
+    "--dt": "--unit UNIT,S",
     "--file": "--out FILE",
+    "--forces": "--pattern F1,F2",
     "--nrml": "--out FILE.xml",
+    "--period": "--intensity KIND:PERIOD@DAMPING",
+    "--periods": "--intensity KIND:PERIODS",
+    "--plot": "--out FILE.png",
     "--quantity": "--quantities",
     "--report": "--out FILE.html",
+    "--seed": "--resamples N,SHARE,SEED",
+    "--workers": "--engine NAME:N",
 }
+
+
+def of_module(module: str) -> Callable[[str], object]:
+    """Make the `__getattr__` of a public module: an error that names the new spelling."""
+
+    def refuse(name: str) -> object:
+        raise AttributeError(moved(f"{module}.{name}"))
+
+    return refuse
 
 
 def moved(name: str) -> str:

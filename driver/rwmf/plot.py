@@ -9,18 +9,16 @@ The other functions draw the studies of the same name.
 
 from typing import TYPE_CHECKING
 
-from rwmf._renamed import moved
-from rwmf.plotting.checks_figure import checks
-from rwmf.plotting.ground import ground_motion
-from rwmf.plotting.profile import envelope, envelope_quantities, profile
-from rwmf.plotting.response import PANELS, history, spectrum
-from rwmf.plotting.result_figures import pushover, work_precision
-from rwmf.plotting.risk_figures import cloud, deaggregation, fragility, hazard, ida
-from rwmf.plotting.studies import equal_response, overturning_map, wall_effect
-from rwmf.plotting.style import make_panels, style
+from rwmf._renamed import of_module
+from rwmf.figures.ground import ground_motion
+from rwmf.figures.histories import history, spectrum
+from rwmf.figures.profiles import envelope, envelope_quantities, profile
+from rwmf.figures.results import checks, pushover, work_precision
+from rwmf.figures.risk_figures import cloud, deaggregation, fragility, hazard, ida
+from rwmf.figures.study_figures import equal_response, overturning_map, wall_effect
+from rwmf.figures.styles import make_panels, style
 
 __all__ = [
-    "PANELS",
     "checks",
     "cloud",
     "deaggregation",
@@ -42,9 +40,5 @@ __all__ = [
     "work_precision",
 ]
 
-
 if not TYPE_CHECKING:
-
-    def __getattr__(name: str) -> object:
-        """Name the replacement of an earlier spelling."""
-        raise AttributeError(moved(f"plot.{name}"))
+    __getattr__ = of_module("plot")

@@ -8,9 +8,9 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from rwmf._files import files
-from rwmf._progress import progress_bar
 from rwmf.errors import InputError, OutputError, RwmfError
+from rwmf.kernel import files
+from rwmf.kernel.progress import progress_bar
 
 from reproduce import figures, pages
 from reproduce.responses import Responses

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from rwmf import Case, simulate
-from rwmf._files import files
 from rwmf.errors import InputError
+from rwmf.kernel import files
 from scipy.optimize import minimize_scalar
 
 from reproduce.responses import Array, Changes, Responses

@@ -10,11 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from rwmf._files.names import shorten
-from rwmf._spectrum import start
 from rwmf.errors import InputError
-from rwmf.plotting import image_files
-from rwmf.plotting.style import (
+from rwmf.figures import image_files
+from rwmf.figures.styles import (
     ALONE,
     COLOURS,
     DOTS,
@@ -25,6 +23,8 @@ from rwmf.plotting.style import (
     new_figure,
     series,
 )
+from rwmf.kernel.names import shorten
+from rwmf.run.spectrum import start
 
 from reproduce import six_storeys
 from reproduce.engines import ENGINES, stored

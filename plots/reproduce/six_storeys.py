@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 from rwmf import Case, simulate
-from rwmf._files import files
 from rwmf.errors import InputError
+from rwmf.kernel import files
 
 from reproduce.engines import EngineHistory
 from reproduce.responses import Array

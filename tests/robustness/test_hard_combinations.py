@@ -26,7 +26,7 @@ from combinations import (
     further_combination,
     spectrum_combination,
 )
-from rwmf.quantities import find
+from rwmf.run.quantities import find
 
 NUMBERS = int(os.environ.get("RWMF_COMBINATIONS", "20"))
 FIRST = int(os.environ.get("RWMF_COMBINATIONS_FIRST", "0"))

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from checkout import BATCH, run_words
-from rwmf._library.kernel_thread import write
 from rwmf.errors import Interrupted
+from rwmf.kernel.kernel_thread import write
 
 RUN = """&wall h = 2.0, b = 0.5 /
 &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /

@@ -11,7 +11,7 @@ import pytest
 import rwmf
 from checkout import ROOT
 from explorer_page import DESK, Opened
-from rwmf._explore.presets import case_of_preset
+from rwmf.explorer.questions import case_of_preset
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, Request

@@ -13,8 +13,9 @@ import rwmf
 from c_host import run_rows
 from checkout import BATCH, run_words
 from combinations import Combination, combination, further_combination, spectrum_combination
-from rwmf import _library, _simulation
-from rwmf.quantities import find
+from rwmf.kernel import results
+from rwmf.run import simulation as _simulation
+from rwmf.run.quantities import find
 
 Numbers = npt.NDArray[np.float64]
 Found = dict[str, Numbers]
@@ -170,7 +171,7 @@ def _table(case: rwmf.Case, keys: Sequence[str], factors: Sequence[float]) -> Fo
     name, size = _size(case)
     numbers = size * np.array(factors)[:, None]
     sizes = [f"motion.{name}"]
-    with _library.start_rows(case.kernel, "", sizes, numbers, keys, 1) as found:
+    with results.start_rows(case.kernel, "", sizes, numbers, keys, 1) as found:
         return {key: np.ravel(values) for key, values in found.values().items() if key in keys}
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from checkout import BATCH, ROOT
-from rwmf import _library
+from rwmf.kernel import tables
 
 # the least stack of the main thread and of each worker that the documentation promises [bytes]
 STACK = 512 * 1024
@@ -65,7 +65,7 @@ def choices(name: str) -> list[str]:
     list of str
         The words of the table of keys.
     """
-    found = [key for key in _library.schema() if f"{key[0]}.{key[1]}" == name]
+    found = [key for key in tables.schema() if f"{key[0]}.{key[1]}" == name]
     return found[0][5].split()
 
 

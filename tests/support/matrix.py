@@ -29,12 +29,12 @@ import numpy as np
 import rwmf
 import xarray as xr
 from checkout import BATCH, ROOT
-from rwmf import _simulation as simulation
 from rwmf import cli, studies
-from rwmf._sweep import RecordFile, find_records
+from rwmf.assess.pulses import SURVIVES
 from rwmf.case.namelist import compose
-from rwmf.quantities import ending_of, find
-from rwmf.studies.overturning import SURVIVES
+from rwmf.motion.record_sets import RecordFile, find_records
+from rwmf.run import simulation
+from rwmf.run.quantities import ending_of, find
 from scenes import read_table
 
 sys.path.append(str(ROOT / "bench"))

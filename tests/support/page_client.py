@@ -10,7 +10,7 @@ from http.client import HTTPConnection
 from typing import Any
 
 from rwmf import Case
-from rwmf._explore.server import PageServer
+from rwmf.explorer.server import PageServer
 
 
 class Client:

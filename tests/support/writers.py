@@ -38,7 +38,7 @@ WRITERS = {
     "run --out": Writer(
         [*RWMF, "run", "case.nml", "--out", "."], ["case.summary.csv", "case.history.csv"]
     ),
-    "spectrum --plot": Writer([*RWMF, "spectrum", "case.nml", "--plot", "s.png"], ["s.png"]),
+    "spectrum --out": Writer([*RWMF, "spectrum", "case.nml", "--out", "s.png"], ["s.png"]),
     "rwmf-batch": Writer(
         ["rwmf-batch", "case.nml"], ["case.summary.csv", "case.history.csv", "case.spectrum.csv"]
     ),

@@ -15,8 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import rwmf
-from rwmf import _library
-from rwmf._library import kernel_thread
+from rwmf.kernel import kernel_thread, tables
 
 # longer than any call: the thread that waits for the kernel wakes up once
 _FOREVER = 1e6
@@ -41,7 +40,7 @@ def main() -> None:
     marks = ctypes.CDLL(library)
     kernel_thread._POLL_SECONDS = _FOREVER
     sys.setswitchinterval(_FOREVER)
-    print(_library.instruction_set())
+    print(tables.instruction_set())
     for kind, name, file in zip(words[::3], words[1::3], words[2::3], strict=True):
         call = _call_of(kind, rwmf.Case.from_namelist(Path(file)))
         # the interpreter specialises its code during the first calls

@@ -102,7 +102,7 @@ PY
 
 # Of other projects, for the page of `rwmf explore`: copies, since it serves nothing outside its folder.
 copy_vendor() {
-   local vendor="$root/driver/rwmf/_explore/page/vendor" file
+   local vendor="$root/driver/rwmf/explorer/page/vendor" file
    mkdir -p "$vendor"
    for file in uPlot.iife.js uPlot.min.css; do
       cmp --silent "$root/build/driver/$file" "$vendor/$file" ||
@@ -115,7 +115,7 @@ build_all() {
    pin_ninja
    link_extensions
    copy_vendor
-   ln -sfn ../../../build/src/bindings/fmi/fmu.zip "$root/driver/rwmf/export/fmu.zip"
+   ln -sfn ../../../build/src/bindings/fmi/fmu.zip "$root/driver/rwmf/hosts/fmu.zip"
    link_batch_program
 }
 

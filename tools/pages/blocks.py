@@ -258,10 +258,10 @@ def _check_namelist(text: str) -> None:
 
 @cache
 def _keys() -> dict[str, set[str]]:
-    from rwmf import _library
+    from rwmf.kernel import tables
 
     keys: dict[str, set[str]] = {"sweep": set(), "grid": set()}
-    for group, key, *_ in _library.schema():
+    for group, key, *_ in tables.schema():
         keys.setdefault(group.lower(), set()).add(key.lower())
     return keys
 

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from rwmf import _library
+from rwmf.kernel import tables
 
 __all__ = ["make"]
 
@@ -49,7 +49,7 @@ def make() -> str:
     """Make the module."""
     parts = [_HEAD]
     names = {}
-    for name, rows in groupby(_library.schema(), key=lambda row: row.group):
+    for name, rows in groupby(tables.schema(), key=lambda row: row.group):
         names[name] = "".join(word.capitalize() for word in name.split("_"))
         # a keyword of Python is no attribute; group["lambda"] has its value
         keys = [row for row in rows if not keyword.iskeyword(row.key)]
@@ -66,7 +66,7 @@ def make() -> str:
     return "".join([*parts, "}\n"])
 
 
-def _meaning(row: _library.KeyRow) -> str:
+def _meaning(row: tables.KeyRow) -> str:
     """Return the entry of a key in the docstring."""
     unit = "" if row.unit in ("", "-") else f" [{row.unit}]"
     kind = "str" if row.kind == "choice" else _type(row.kind, ())

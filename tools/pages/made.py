@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from itertools import groupby
 
-from rwmf import _library
 from rwmf.cli.parser import make_parser
-from rwmf.quantities import QUANTITIES, SENSITIVITY, Quantity
+from rwmf.kernel import tables
+from rwmf.run.quantities import QUANTITIES, SENSITIVITY, Quantity
 
 from pages import group_types
 from pages.blocks import DOCS, ROOT, text_of
@@ -44,7 +44,7 @@ _SECTIONS = {
 def key_page() -> str:
     """Make the reference of the namelist."""
     parts = [text_of("namelist.md")]
-    for group, found in groupby(_library.schema(), key=lambda row: row.group):
+    for group, found in groupby(tables.schema(), key=lambda row: row.group):
         keys = list(found)
         parts.append(
             f"\n## `&{group}`\n\n| key | type | unit | default | allowed | usual | meaning |"
@@ -54,7 +54,7 @@ def key_page() -> str:
     return "\n".join(parts) + "\n"
 
 
-def _key_row(row: _library.KeyRow, group: Sequence[_library.KeyRow]) -> str:
+def _key_row(row: tables.KeyRow, group: Sequence[tables.KeyRow]) -> str:
     _, name, kind, unit, default, allowed, meaning, usual, _ = row
     if kind == "choice":
         allowed = ", ".join(f"'{word}'" for word in allowed.split())

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from rwmf.plotting.style import ALONE, COLOURS, GREY, INK, LEVEL, PAPER, style, tint
+from rwmf.figures.styles import ALONE, COLOURS, GREY, INK, LEVEL, PAPER, style, tint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

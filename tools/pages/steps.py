@@ -57,7 +57,7 @@ def _run_parts() -> None:
     if not SKETCHES.is_dir():
         (BUILD / "sketches.key").unlink(missing_ok=True)
     kernel = _files("src", "docs/fortran.css", "tools/pages/fortran_pages.py", "tools/docs.lock")
-    drawing = _files("tools/pages/sketches.py", "driver/rwmf/plotting/style.py")
+    drawing = _files("tools/pages/sketches.py", "driver/rwmf/figures/styles.py")
     copy = [*_files("tools/pages/explorer"), *_program()]
     write_copy = partial(explorer.write, SITE / "explorer")
     # spawned: a forked process would share the threads of the libraries that are loaded

@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
+import numpy.typing as npt
 
-from rwmf import _library
-from rwmf._files import files
-from rwmf._files.names import problem_of_name
-from rwmf._numbers import show
 from rwmf.case.group import Group
 from rwmf.case.groups import TYPES, Groups
 from rwmf.case.motion import Motion
 from rwmf.case.namelist import compose, numbers_of, read_text
 from rwmf.errors import InputError, did_you_mean, without_lines
+from rwmf.kernel import files, kernel_case, tables
+from rwmf.kernel.names import problem_of_name
+from rwmf.kernel.numbers import show, to_array, to_items
 
 
 def changes_without_wall(case: Case) -> dict[str, dict[str, object] | None]:
@@ -50,7 +50,7 @@ def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[s
         return {}
     return {
         row.group: {row.key: 2 * case.wall.h}
-        for row in _library.schema()
+        for row in tables.schema()
         if row.default == "2h" and row.group in case.groups and row.group not in gone
         if row.key not in case.groups[row.group].given
     }
@@ -58,7 +58,7 @@ def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[s
 
 def groups_of_wall() -> set[str]:
     """Return the wall and the groups that require it."""
-    return {name for name, needs in _library.needs_of_groups().items() if {name, *needs} & {"wall"}}
+    return {name for name, needs in tables.needs_of_groups().items() if {name, *needs} & {"wall"}}
 
 
 class Case(Groups):
@@ -89,7 +89,7 @@ class Case(Groups):
     _edited: bool
     _folder: Path
     _kept_groups: dict[str, Group] | None
-    _kernel: _library.KernelCase
+    _kernel: kernel_case.KernelCase
     _motions: dict[str, Motion]
     _source: str | None
     _text: str | None
@@ -107,8 +107,8 @@ class Case(Groups):
         self._put(source, folder, origin is not None, text, motions)
         known = None if origin is None else origin._kernel
         samples = {group: motion.samples for group, motion in motions.items()}
-        kernel = _library.read_case(text, self.kernel_source(), known, **samples)
-        super().__setattr__("_kernel", kernel)
+        read = kernel_case.read_case(text, self.kernel_source(), known, **samples)
+        super().__setattr__("_kernel", read)
 
     def _assemble_entries(
         self, entries: Mapping[str, Mapping[str, object]], source: str | None, origin: Case | None
@@ -148,7 +148,7 @@ class Case(Groups):
         case._assemble(text, source, None, motions or {})
         return case
 
-    def _changed(self, changes: _library.Changes, numbers: np.ndarray[Any, Any]) -> Case | None:
+    def _changed(self, changes: kernel_case.Changes, numbers: np.ndarray[Any, Any]) -> Case | None:
         """Return the case with other numbers, without parsing text; None when text is needed."""
         try:
             found = self._kernel.find(changes)
@@ -261,7 +261,7 @@ class Case(Groups):
                 raise AttributeError(name)
             if name.lower() in self._groups:
                 return self._groups[name.lower()]
-            if name.lower() in {row[0] for row in _library.schema()}:
+            if name.lower() in {row[0] for row in tables.schema()}:
                 return None
             raise AttributeError(f"there is no namelist group &{name}")
 
@@ -365,6 +365,37 @@ class Case(Groups):
             raise InputError("the case has no &frame: nothing is left without the wall")
         return self.replace(**changes_without_wall(self))
 
+    def paper_coefficients(self, theta: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Compute the coefficients A_i and B_i of Eq. (15) of the paper.
+
+        theta_ddot = A_1 theta_dot**2 + A_2 theta_dot + A_3 u_g_ddot + A_4 for theta < 0, and the
+        same with B_i for theta > 0. Wall, frame, cable and g of the case count, and nothing else.
+
+        Parameters
+        ----------
+        theta : float or sequence of float
+            Rotations [rad]. At 0 the sign of the zero selects A_i (-0.0) or B_i.
+
+        Returns
+        -------
+        numpy.ndarray, shape (4,) or (n, 4)
+            The coefficients [-], [1/s], [1/m], [1/s2].
+
+        Raises
+        ------
+        InputError
+            When the case has no wall or no period, or theta is no array of numbers.
+
+        Examples
+        --------
+        >>> block = rwmf.Case(wall={"h": 2.0, "b": 0.5}, solver={"t_end": 1.0})
+        >>> block.paper_coefficients(0.0)[3] < 0 < block.paper_coefficients(-0.0)[3]
+        True
+        """
+        rotations = to_array("theta", [theta] if to_items(theta) is None else theta, least=1)
+        found = self.kernel.paper_coefficients(rotations)
+        return found[0] if to_items(theta) is None else found
+
     def to_namelist(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return namelist text with the same results, and write it to a file if given.
 
@@ -419,7 +450,7 @@ class Case(Groups):
         return text
 
     @property
-    def kernel(self) -> _library.KernelCase:
+    def kernel(self) -> kernel_case.KernelCase:
         """The case in the kernel."""
         return self._kernel
 
@@ -521,16 +552,16 @@ def _path_text(path: object) -> str:
 
 def kernel_for_host(
     case: CaseLike | Mapping[str, Mapping[str, object]],
-) -> tuple[_library.KernelCase, str]:
+) -> tuple[kernel_case.KernelCase, str]:
     """Read a case for an element, whose file may lack keys that only a run needs."""
     if isinstance(case, Case):
         return case.kernel, case.kernel_source()
     if not isinstance(case, Mapping):
         source = _path_text(case)
-        return _library.read_host_case(read_text(source), source), source
+        return kernel_case.read_host_case(read_text(source), source), source
     try:
         text = compose(_checked_entries(case))
-        return _library.read_host_case(text, ""), ""
+        return kernel_case.read_host_case(text, ""), ""
     except InputError as error:
         raise InputError(without_lines(str(error))) from None
 
@@ -584,7 +615,7 @@ def _check_groups(
             continue
         if not isinstance(values, Mapping):
             raise InputError(f"&{name.lower()} = {show(values)}: must be keys with values, or None")
-        known = {key.lower(): key for group, key, *_ in _library.schema() if group == name.lower()}
+        known = {key.lower(): key for group, key, *_ in tables.schema() if group == name.lower()}
         for key in values:
             if not isinstance(key, str):
                 raise InputError(f"&{name.lower()}: {show(key)}: the name of a key is a text")
@@ -599,12 +630,12 @@ def _check_groups(
 
 def _other_group(key: str) -> str:
     """Suggest the groups that have a key."""
-    owners = [group for group, name, *_ in _library.schema() if name.lower() == key.lower()]
+    owners = [group for group, name, *_ in tables.schema() if name.lower() == key.lower()]
     return f", did you mean {key} of &{' or &'.join(owners)}?" if owners else ""
 
 
 def _check_group(name: str) -> None:
-    rows = [(group, key) for group, key, *_ in _library.schema()]
+    rows = [(group, key) for group, key, *_ in tables.schema()]
     known = dict.fromkeys(group for group, _ in rows)
     if name.lower() in known:
         return

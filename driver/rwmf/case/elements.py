@@ -1,14 +1,13 @@
-"""Numbers of the vertical elements of a case: one for all elements of a group, or one for each."""
+"""Geometry of a case: heights of storeys, numbers of each vertical element."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
+    from rwmf.case.case import Case
     from rwmf.case.group import Group
     from rwmf.case.groups import Cable
-
-__all__ = ["elements_of", "total"]
 
 
 def elements_of(group: Group, *default: float) -> list[dict[str, Any]]:
@@ -30,3 +29,19 @@ def total(cable: Cable, value: float | tuple[float, ...]) -> float:
     numbers = value if isinstance(value, tuple) else (value,)
     count = len(cable.offset) if "offset" in cable else 1
     return float(sum(numbers)) * count / len(numbers)
+
+
+def heights_of_storeys(case: Case, n: int) -> list[float]:
+    """Return the height of each storey, from floor to floor; a frame without storeys has one."""
+    if case.storeys is None:
+        height = height_of_frame(case)
+        return [] if height is None else [height]
+    given = case.storeys.height
+    return list(given) * (n if len(given) == 1 else 1)
+
+
+def height_of_frame(case: Case) -> float | None:
+    """Return the height of a frame with one degree of freedom."""
+    if case.p_delta is not None and "h_f" in case.p_delta.given:
+        return case.p_delta.h_f
+    return None if case.wall is None else 2 * case.wall.h

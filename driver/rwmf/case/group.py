@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
-from rwmf import _library
-from rwmf._numbers import show
 from rwmf.case.namelist import Value, format_value, parse_value
+from rwmf.kernel import tables
+from rwmf.kernel.numbers import show
 
 
 class Group(Mapping[str, Value]):
     """The values of one namelist group, by attribute or by key; keys match in any case.
-
-    The subclasses in `rwmf.case.groups` declare the keys of each group with their types.
 
     Attributes
     ----------
@@ -133,7 +131,7 @@ class Group(Mapping[str, Value]):
     def _html_rows(self) -> str:
         """Return the rows of the table: group, key, value, meaning; given keys first."""
         names = sorted(self, key=lambda key: key not in self._given)
-        meanings = {row.key: row.meaning for row in _library.schema() if row.group == self._name}
+        meanings = {row.key: row.meaning for row in tables.schema() if row.group == self._name}
         rows = []
         for key in names:
             grey = "" if key in self._given else ' style="color:gray"'

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import Any
 
-from rwmf import _library
+from rwmf.kernel import tables
 
 _TYPES = {
     "real": "number",
@@ -19,7 +19,7 @@ _TYPES = {
 def make_schema() -> dict[str, Any]:
     """Make the schema; a case that fits may still break rules between keys."""
     groups = {}
-    for name, found in groupby(_library.schema(), key=lambda row: row.group):
+    for name, found in groupby(tables.schema(), key=lambda row: row.group):
         rows = list(found)
         replaced = {row.gives for row in rows}
         needed = [x.key for x in rows if x.default == "required" and x.key not in replaced]
@@ -28,10 +28,10 @@ def make_schema() -> dict[str, Any]:
             "properties": {row.key: _property(row) for row in rows},
             "additionalProperties": False,
         } | ({"required": needed} if needed else {})
-    needs = {name: words for name, words in _library.needs_of_groups().items() if words}
+    needs = {name: words for name, words in tables.needs_of_groups().items() if words}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": f"Case of rwmf {_library.version()}",
+        "title": f"Case of rwmf {tables.version()}",
         "description": "Groups and keys of the namelist. In Python: rwmf.Case(**case).",
         "type": "object",
         "properties": groups,
@@ -40,7 +40,7 @@ def make_schema() -> dict[str, Any]:
     }
 
 
-def _property(row: _library.KeyRow) -> dict[str, Any]:
+def _property(row: tables.KeyRow) -> dict[str, Any]:
     """Describe a key."""
     one: dict[str, Any] = {"type": _TYPES[row.kind.removesuffix(" list").removesuffix("s")]}
     if row.kind == "choice":
@@ -60,11 +60,11 @@ def _property(row: _library.KeyRow) -> dict[str, Any]:
     return found if default is None else found | {"default": default}
 
 
-def _default(row: _library.KeyRow) -> object:
+def _default(row: tables.KeyRow) -> object:
     """Return the default as JSON; None for a key without one, and for a rule."""
     if row.kind == "logical":
         return row.default == ".true."
     if row.kind == "choice":
         return row.default if row.default in row.allowed.split() else None
-    number = _library.number_of(row.default)
+    number = tables.number_of(row.default)
     return int(number) if number is not None and row.kind == "integer" else number

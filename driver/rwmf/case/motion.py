@@ -11,10 +11,9 @@ from typing import Any, NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from rwmf import _library
-from rwmf._files import files
-from rwmf._numbers import show, to_array, to_number
 from rwmf.errors import InputError
+from rwmf.kernel import files, kernel_case
+from rwmf.kernel.numbers import show, to_array, to_number
 
 _UNITS = ("g", "m/s2", "cm/s2")
 _ARRAY = "an array of numbers with one dimension"
@@ -54,7 +53,7 @@ class Motion:
 
     _dt: float | None
     _name: str
-    _samples: _library.Samples
+    _samples: kernel_case.Samples
     _times: npt.NDArray[np.float64] | None
     _unit: str
     _values: npt.NDArray[np.float64]
@@ -83,7 +82,7 @@ class Motion:
         if self._values.size < 2:
             raise self._problem(f"{self._values.size} samples: must be at least 2")
         try:
-            put("_samples", _library.keep_samples(self._values, self._times))
+            put("_samples", kernel_case.keep_samples(self._values, self._times))
         except InputError as error:
             raise self._problem(str(error)) from None
 
@@ -143,7 +142,7 @@ class Motion:
         return f"{zlib.crc32(self._values.tobytes(), zlib.crc32(times)):08x}"
 
     @property
-    def samples(self) -> _library.Samples:
+    def samples(self) -> kernel_case.Samples:
         """The samples in the kernel."""
         return self._samples
 

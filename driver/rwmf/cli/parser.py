@@ -5,14 +5,15 @@ from __future__ import annotations
 import argparse
 import difflib
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from rwmf._files.names import shorten
 from rwmf._renamed import WORDS
 from rwmf.cli.command_table import COMMANDS, GROUPS, Command
+from rwmf.kernel.names import shorten
 
 _DESCRIPTION = "Dynamic response of post-tensioned rocking wall-moment frames."
-_EXAMPLE = "example: rwmf spectrum inputs/fig12_one_cosine.nml --plot cosine.png"
+_EXAMPLE = "example: rwmf spectrum inputs/fig12_one_cosine.nml --out cosine.png"
 _FAMILIES = {
     "study": "A study from a case: overturning map, effect of the wall, equal response.",
     "records": "Ground motions: peaks and intensities, formats, suites, sequences.",
@@ -63,16 +64,16 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--version",
-        action=_ShowVersion,
+        action=_Show,
+        make=_version,
         nargs=0,
-        default=argparse.SUPPRESS,
         help="show program's version number and exit",
     )
     parser.add_argument(
         "--completion",
-        action=_ShowCompletion,
+        action=_Show,
+        make=_completion,
         choices=_SHELLS,
-        default=argparse.SUPPRESS,
         help='print the completion of a shell: eval "$(rwmf --completion bash)"',
     )
     top = parser.add_subparsers(
@@ -97,7 +98,8 @@ def make_parser() -> argparse.ArgumentParser:
         )
         added.set_defaults(run=command.run)
         for word in command.words:
-            added.add_argument(*word.names, **word.settings)
+            action = added.add_argument(*word.names, **word.settings)
+            added.set_defaults(**getattr(action, "further", {}))
     return parser
 
 
@@ -114,34 +116,35 @@ def _listed() -> str:
     return "\n".join(lines)
 
 
-class _ShowVersion(argparse.Action):
-    """Print the kernel's version; loading the kernel takes longer than everything else."""
+class _Show(argparse.Action):
+    """Print the text that a function makes of the option's value, and end."""
+
+    def __init__(self, make: Callable[[Any], str], **settings: Any) -> None:  # noqa: ANN401 (of argparse)
+        super().__init__(default=argparse.SUPPRESS, **settings)
+        self._make = make
 
     def __call__(
         self,
         parser: argparse.ArgumentParser,
         namespace: argparse.Namespace,
-        values: str | Sequence[object] | None,
+        values: Any,  # noqa: ANN401 (a word, or an empty list)
         option_string: str | None = None,
     ) -> None:
-        from rwmf import _library
-
-        print(f"{parser.prog} {_library.version()} ({_library.instruction_set()})")
+        """Print."""
+        print(self._make(values))
         parser.exit()
 
 
-class _ShowCompletion(argparse.Action):
-    """Print the words that a shell completes."""
+def _version(_: object) -> str:
+    """Name version and instructions; loading the kernel takes longer than everything else."""
+    from rwmf.kernel import tables
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: str | Sequence[object] | None,
-        option_string: str | None = None,
-    ) -> None:
-        print(_fish() if values == "fish" else _bash(is_zsh=values == "zsh"))
-        parser.exit()
+    return f"rwmf {tables.version()} ({tables.instruction_set()})"
+
+
+def _completion(shell: str) -> str:
+    """List the words that a shell completes."""
+    return _fish() if shell == "fish" else _bash(is_zsh=shell == "zsh")
 
 
 def _options(command: Command) -> str:

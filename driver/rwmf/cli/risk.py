@@ -12,20 +12,20 @@ import numpy as np
 import xarray as xr
 
 import rwmf
-from rwmf._files import files
-from rwmf._progress import progress
-from rwmf._risk.annual import hazard_of, unit_of
-from rwmf._risk.loss import loss_quantities, nrml_text, write_pelicun
-from rwmf._risk.table import fallen, quantities_of, write_dataset
-from rwmf._sweep.executors import open_executor
-from rwmf._sweep.netcdf import check_package
-from rwmf._sweep.points import is_netcdf
+from rwmf.assess.annual import hazard_of, unit_of
+from rwmf.assess.loss import loss_quantities, nrml_text, write_pelicun
+from rwmf.assess.table import fallen, quantities_of, write_dataset
 from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
-from rwmf.plotting import image_files as figures
-from rwmf.plotting import risk_figures as plots
-from rwmf.plotting.style import new_figure
+from rwmf.figures import image_files as figures
+from rwmf.figures import risk_figures as plots
+from rwmf.kernel import files
+from rwmf.kernel.progress import progress
+from rwmf.motion.record_sets import find_records
+from rwmf.sweeps.executors import open_executor
+from rwmf.sweeps.netcdf import check_package
+from rwmf.sweeps.points import is_netcdf
 
 _SHARED = ("intensity", "period", "damping", "periods", "restart", "threads")
 _NOT_IN_MODEL = (
@@ -59,7 +59,7 @@ def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.D
     """Run an analysis of a suite."""
     cases = [rwmf.Case.from_namelist(path) for path in options.cases]
     with printed_warnings(analysis):
-        records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
+        records = find_records(options.records, unit=options.unit, dt=options.dt)
     inputs = [path for case in cases for path in case.inputs]
     inputs += [Path(record.path) for record in records if record.path]
     files.check_outputs([options.plot, options.out], inputs)
@@ -78,10 +78,9 @@ def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.D
     if options.pelicun:
         written += [path for path, _ in write_pelicun(table, Path(options.pelicun))]
     if options.plot:
-        with new_figure(3.8) as figure:
+        with figures.drawn(options.plot, 3.8) as figure:
             draw = plots.cloud if analysis == "cloud" else plots.ida
             draw(table, figure.subplots())
-            figures.save(figure, options.plot)
         written.append(options.plot)
     print_written(written)
     return 0
@@ -116,9 +115,8 @@ def fit(options: argparse.Namespace) -> int:
     for path in models:
         files.write_bytes(path, model.encode())
     if options.plot:
-        with new_figure(3.8) as figure:
+        with figures.drawn(options.plot, 3.8) as figure:
             plots.fragility(curves, figure.subplots())
-            figures.save(figure, options.plot)
     print_written([*options.out, options.plot], is_json=options.json)
     return 0
 
@@ -135,12 +133,11 @@ def integrate(options: argparse.Namespace) -> int:
     _print_results(found, [*names, "probability_50_years", "extrapolated"], options, [options.out])
     if options.plot:
         edges = found["intensity_low"].values[1:]
-        with new_figure(3.8) as figure:
+        with figures.drawn(options.plot, 3.8) as figure:
             left, right = figure.subplots(1, 2)
             plots.hazard(hazard, left, edges)
             left.set_xlabel(plots.intensity_label(found.attrs))
             plots.deaggregation(found, right)
-            figures.save(figure, options.plot)
     print_written([options.out, options.plot], is_json=options.json)
     return 0
 

@@ -10,25 +10,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rwmf import _library, loops
-from rwmf import _simulation as simulation
-from rwmf._files import files
-from rwmf._headline import grouped, headline, tendon_yield_of, value_text
 from rwmf.case import Case
 from rwmf.cli import run_many
-from rwmf.cli.gradient_output import derivatives_by_name, print_gradient
 from rwmf.cli.output import (
     check_words,
     checks_if_limited,
+    derivatives_by_name,
     print_checks,
+    print_gradient,
     print_json,
     print_warnings,
     print_written,
     write_checks,
 )
 from rwmf.errors import InputError
-from rwmf.plotting import image_files as figures
-from rwmf.quantities import SENSITIVITY, find
+from rwmf.figures import image_files as figures
+from rwmf.figures import loops
+from rwmf.kernel import files, results, tables
+from rwmf.run import simulation
+from rwmf.run.headline import grouped, headline, tendon_yield_of, value_text
+from rwmf.run.quantities import SENSITIVITY, find
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
         return run_many.run(options)
     (options.case,) = options.case
     case = Case.from_namelist(options.case)
-    names = _library.result_names(options.case) if options.out else ()
+    names = tables.result_names(options.case) if options.out else ()
     found = [Path(options.out, name) for name in names]
     outputs = [options.plot, options.loops, *(options.checks or ()), *found]
     files.check_outputs(outputs, case.inputs)
@@ -91,7 +92,7 @@ def _derivatives(case: Case, source: str) -> xr.Dataset | None:
     if case.sensitivity is None:
         return None
     # imported here: a run without derivatives does not load xarray
-    from rwmf._gradient.gradient import gradient
+    from rwmf.assess.gradient import gradient
 
     try:
         return gradient(case)
@@ -107,7 +108,7 @@ def _place_of(path: Path) -> tuple[int, int] | None:
     return None
 
 
-def _plot_history(case: Case, result: _library.Run, path: str) -> None:
+def _plot_history(case: Case, result: results.Run, path: str) -> None:
     """Draw the history with the demands of the frame, even when the case does not request them."""
     dataset = simulation.to_dataset(result, case)
     has_demands = case.output is not None and case.output.reactions
@@ -123,7 +124,7 @@ def _plot_history(case: Case, result: _library.Run, path: str) -> None:
     figures.save_history(dataset, path, case)
 
 
-def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
+def _plot_loops(case: Case, result: results.Run, path: str) -> None:
     """Sample the corners of the loops finely, whatever the interval of the case."""
     dataset = simulation.to_dataset(result, case)
     fine = max(case.solver.t_end / _LOOP_POINTS, np.finfo(float).tiny)
@@ -155,7 +156,7 @@ def _digits(summary: dict[str, Any], tolerance: float) -> dict[str, int]:
     largest = max(found.values(), default=0.0)
     # instants and final values hold no more digits than the worst peak
     return {
-        key: _library.digits_of(tolerance, found.get(key, largest))
+        key: tables.digits_of(tolerance, found.get(key, largest))
         for key in summary
         if found and (key in found or find(key).found in ("time", "end"))
     }

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from rwmf import _simulation as simulation
-from rwmf._files import files
-from rwmf._files.names import shorten
-from rwmf._progress import progress
 from rwmf.case import Case
 from rwmf.cli.output import plain, print_warnings, print_written
 from rwmf.errors import InputError, Interrupted, RwmfError
-from rwmf.quantities import ending_of, find
+from rwmf.kernel import files
+from rwmf.kernel.names import shorten
+from rwmf.kernel.progress import progress
+from rwmf.run import simulation
+from rwmf.run.quantities import ending_of, find
 
 Row = dict[str, Any]
 
@@ -37,9 +37,9 @@ def is_wanted(options: argparse.Namespace) -> bool:
 
 def run(options: argparse.Namespace) -> int:
     """Run all cases and write a row for each, those that fail included."""
-    for word in ("plot", "loops", "checks"):
-        if getattr(options, word):
-            raise InputError(f"--{word}: needs one case without a table; {len(options.case)} given")
+    for name, word in (("plot", "--out FILE.png"), ("loops", "--loops"), ("checks", "--checks")):
+        if getattr(options, name):
+            raise InputError(f"{word}: needs one case without a table; {len(options.case)} given")
     if not (options.out or options.json):
         raise InputError("several cases need --out TABLE.csv, .nc or .jsonl, or --json")
     if options.out and Path(options.out).suffix not in TABLES:
@@ -129,7 +129,7 @@ def _write(rows: list[Row], path: Path) -> None:
     # imported here: other tables do not need it
     import xarray as xr
 
-    from rwmf._risk.table import write_dataset
+    from rwmf.assess.table import write_dataset
 
     table = xr.Dataset({key: ("case", *_column(key, rows)) for key in keys if key != "case"})
     write_dataset(table.assign_coords(case=[row["case"] for row in rows]), path)

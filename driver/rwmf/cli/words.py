@@ -6,14 +6,93 @@ import argparse
 import math
 import re
 from collections.abc import Callable
+from typing import Any
 
-from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
 from rwmf.errors import OutputError
+from rwmf.kernel.names import is_name_of_folder, problem_of_name, shorten
 
 _TARGET = re.compile(r"(\w+)=([^@x]+)(?:@([^@x]+))?(?:x([^@x]+))?")
 _LIMITS = re.compile(r"limits@([^@x]+)(?:x([^@x]+))?")
 _MOST_THREADS = 2**31 - 1
 _MOST_NUMBERS = 1_000_000
+_UNITS = ("g", "m/s2", "cm/s2")
+# suffixes of figures
+_FIGURES = (
+    "avif",
+    "eps",
+    "jpeg",
+    "jpg",
+    "pdf",
+    "pgf",
+    "png",
+    "ps",
+    "svg",
+    "svgz",
+    "tif",
+    "tiff",
+    "webp",
+)
+
+
+class Parts(argparse.Action):
+    """Keep the parts of one word as attributes.
+
+    Attributes
+    ----------
+    further : dict
+        Names of the parts with their defaults.
+    """
+
+    def __init__(self, parts: list[str], default: tuple[Any, ...], **settings: Any) -> None:  # noqa: ANN401 (of argparse)
+        # without a destination argparse does not convert the default
+        super().__init__(**settings | {"dest": argparse.SUPPRESS})
+        self.further = dict(zip(parts, default, strict=True))
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,  # noqa: ANN401 (of the type)
+        option_string: str | None = None,
+    ) -> None:
+        """Set all parts."""
+        for name, value in zip(self.further, values, strict=True):
+            setattr(namespace, name, value)
+
+
+class Outputs(argparse.Action):
+    """Keep a file as ``out``, a figure by its suffix as ``plot``; one of each, or a list of files.
+
+    Attributes
+    ----------
+    further : dict
+        Defaults of both.
+    """
+
+    def __init__(self, has_data: bool = True, **settings: Any) -> None:  # noqa: ANN401 (of argparse)
+        super().__init__(**settings)
+        self.has_data = has_data
+        self.further = {"out": self.default, "plot": None}
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,  # noqa: ANN401 (a text)
+        option_string: str | None = None,
+    ) -> None:
+        """Add a file."""
+        is_figure = not self.has_data or values.rpartition(".")[2].lower() in _FIGURES
+        name = "plot" if is_figure else "out"
+        before = getattr(namespace, name)
+        if is_figure:
+            written_file(values)
+        if isinstance(before, list):
+            values = [*before, values]
+        elif before is not None:
+            kinds = "one file and one figure" if self.has_data else "one figure"
+            raise argparse.ArgumentError(self, f"allowed is {kinds}")
+        setattr(namespace, name, values)
 
 
 def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str], float]:
@@ -136,3 +215,53 @@ def target(word: str) -> dict[str, object]:
     else:
         found |= {"limit": read(parts[2]), "percentile": read(parts[3])}
     return found | ({"scale": read(parts[4])} if parts[4] else {})
+
+
+def unit(word: str) -> tuple[str | None, float | None]:
+    """Read ``UNIT``, ``UNIT,S`` or ``,S``."""
+    name, comma, dt = word.partition(",")
+    if name not in _UNITS and (name or not comma):
+        wanted = f"must be one of {', '.join(_UNITS)}, with an interval in s behind a comma"
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: {wanted}")
+    return name or None, number(above=0)(dt) if comma else None
+
+
+def engine(word: str) -> tuple[str, int]:
+    """Read ``NAME``, or ``NAME:N`` of processes and dask; an address belongs to the name."""
+    name, _, last = word.rpartition(":")
+    if name.lower() not in ("processes", "dask") or not last.isdecimal():
+        return word, 0
+    return name, whole(0, 4096)(last)
+
+
+def intensity(word: str) -> tuple[str, float | None, float | None, list[float] | None]:
+    """Read ``KIND[:PERIODS[@DAMPING]]`` as kind, period, damping and periods of an average."""
+    kind, _, rest = word.partition(":")
+    times, at, damping = rest.partition("@")
+    periods = numbers(times) if rest else None
+    xi = number(above=0)(damping) if at else None
+    if periods is None or kind == "average_acceleration":
+        return kind, None, xi, periods
+    if len(periods) > 1:
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must have one period")
+    return kind, periods[0], xi, None
+
+
+def pattern(word: str) -> tuple[str, list[float] | None]:
+    """Read the name of a load pattern, or forces on the floors."""
+    if word in ("first_mode", "roof"):
+        return word, None
+    try:
+        return "floors", numbers(word)
+    except argparse.ArgumentTypeError:
+        wanted = "first_mode, roof, or forces with commas between them"
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be {wanted}") from None
+
+
+def resamples(word: str) -> tuple[int, float, int]:
+    """Read ``N[,SHARE[,SEED]]``."""
+    items = word.split(",")
+    items += ["1000", "0.95", "0"][len(items) :]
+    if len(items) > 3:
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be N,SHARE,SEED")
+    return whole(0, 10**6)(items[0]), number(0, 1)(items[1]), whole(0, 10**6)(items[2])

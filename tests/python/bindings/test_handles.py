@@ -16,9 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from rwmf import _library
-from rwmf import _simulation as simulation
-from rwmf._library import results
+from rwmf.kernel import results
+from rwmf.run import simulation
 from scenes import coupled, record
 
 # growth of a process that does nothing but make and drop cases: an allocator's slack
@@ -181,7 +180,7 @@ def test_results_survive_the_end_of_the_interpreter(case_file: Path) -> None:
     """Arrays, cases and runs that live until exit do no harm there."""
     assert (
         _run_program(
-            "import rwmf; from rwmf import _simulation as simulation",
+            "import rwmf; from rwmf.run import simulation",
             f"case = rwmf.Case.from_namelist({str(case_file)!r})",
             "dataset = rwmf.simulate(case, 0.01)",
             "run = simulation.start(case).__enter__()",
@@ -229,7 +228,7 @@ def test_numbers_stay_numbers() -> None:
     """The kinds of the summary, and more scalars than are fetched at once."""
     balanced = {"rule": "coupled", "e": None}
     case = coupled(output={"energy": True, "reactions": True}, impact=balanced)
-    with _library.start_simulation(case.kernel, "") as run:
+    with results.start_simulation(case.kernel, "") as run:
         whole = run.summary()
         room, results._FIRST_CAPACITY = results._FIRST_CAPACITY, 2
         try:

@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT, Runner
-from rwmf import _library
 from rwmf.cli import main
+from rwmf.kernel import tables
 from scenes import bare_frame, block, coupled
 
 INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
 RANGES = {
     (row[0], row[1]): tuple(float(end) for end in row[7].strip("[]").split(","))
-    for row in _library.schema()
+    for row in tables.schema()
     if row[7]
 }
 STOREYS = {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import rwmf
 import scenes
-from rwmf._simulation import start
+from rwmf.run.simulation import start
 
 _DT = 0.02
 _A = np.sin(np.arange(200) * _DT * 7.0) * np.exp(-np.arange(200) * _DT)

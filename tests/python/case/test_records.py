@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from rwmf import cli, records
+from rwmf import cli
+from rwmf.motion import records
 from scenes import bare_frame, coupled, record
 
 

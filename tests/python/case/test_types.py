@@ -9,7 +9,7 @@ from keyword import iskeyword
 import pytest
 import rwmf
 from checkout import ROOT
-from rwmf._library import schema
+from rwmf.kernel.tables import schema
 from scenes import coupled
 
 

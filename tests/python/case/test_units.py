@@ -23,6 +23,7 @@ from dimensional import (
     in_units,
 )
 from rwmf.cli import main
+from rwmf.kernel import tables
 
 
 @pytest.fixture(params=SCENES)
@@ -33,9 +34,7 @@ def both(request: pytest.FixtureRequest) -> tuple[rwmf.Case, rwmf.Case]:
 
 def _numbers(case: rwmf.Case) -> dict[str, Any]:
     """Every number by group and key, dimensional keys left out."""
-    plain = {
-        f"{row[0]}.{row[1]}" for row in rwmf._library.schema() if re.search("[gNa]", row[3]) is None
-    }
+    plain = {f"{row[0]}.{row[1]}" for row in tables.schema() if re.search("[gNa]", row[3]) is None}
     return {
         f"{name}.{key}": value
         for name, group in case.groups.items()

@@ -15,7 +15,7 @@ import pytest
 import rwmf
 from checkout import Runner, run_python
 from processes import compute, spent_by_children
-from rwmf import _library
+from rwmf.kernel import tables
 from scenes import bare_frame, block, coupled
 
 RUN_KEYS = [
@@ -134,8 +134,8 @@ def test_keys_that_do_not_apply_are_absent(command: Runner, tmp_path: Path) -> N
 
 def test_plots(command: Runner, case_file: Path) -> None:
     folder, suffix = case_file.parent, "svg"
-    assert command("run", case_file, "--plot", f"run.{suffix}").returncode == 0
-    assert command("spectrum", case_file, "--plot", f"spectrum.{suffix}").returncode == 0
+    assert command("run", case_file, "--out", f"run.{suffix}").returncode == 0
+    assert command("spectrum", case_file, "--out", f"spectrum.{suffix}").returncode == 0
     assert command("run", case_file, "--loops", f"loops.{suffix}").returncode == 0
     assert (folder / f"loops.{suffix}").stat().st_size > 1000
     assert (folder / f"run.{suffix}").stat().st_size > 1000
@@ -192,7 +192,7 @@ def test_check(command: Runner, case_file: Path) -> None:
     assert found.returncode == 0
     assert "effects: wall, frame, cable, impact, motion" in found.stdout
     assert "spectrum: 3 simulations" in found.stdout
-    groups = dict.fromkeys(row[0] for row in _library.schema())
+    groups = dict.fromkeys(row[0] for row in tables.schema())
     given = ["wall", "frame", "cable", "impact", "motion", "model", "solver", "output", "spectrum"]
     given += ["base_section", "limits", "sensitivity", "design"]
     absent = ", ".join(group for group in groups if group not in given)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from rwmf import cli
-from rwmf.cli import check
+from rwmf.cli import case_files
 from scenes import block, coupled
 
 QUICK = {"method": "dop853", "rtol": 1e-6, "t_end": 1.0}
@@ -39,15 +39,19 @@ def _told(words: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[int, str
     [
         (["sweep", "s.nml", "--out", "."], r".: is a folder, not a file"),
         (["sweep", "s.nml", "--out", LONG], "x... (3000 letters): a name has at most 255 bytes"),
-        (["sweep", "s.nml", "--workers", "-1"], "--workers: -1: must be a whole number in [0, "),
+        (
+            ["sweep", "s.nml", "--engine", "processes:5000"],
+            "--engine: 5000: must be a whole number",
+        ),
         (["sweep", "s.nml", "--threads", "99999999999"], "--threads: 99999999999: must be a whole"),
         (["sweep", "s.nml", "--threads", "-1"], "--threads: -1: must be a whole number"),
         (["sweep", "s.nml", "--engine", "dask:foo"], "engine dask:foo: no scheduler answers"),
         (["sweep", "s.nml", "--engine", "threads:2"], "engine threads:2: allowed are threads,"),
         (["sweep", LONG], "the file does not exist"),
         (["run", "case.nml", "--out", LONG], "x: File name too long"),
-        (["run", "case.nml", "--plot", LONG + ".png"], "a name has at most 255 bytes"),
+        (["run", "case.nml", "--out", LONG + ".png"], "a name has at most 255 bytes"),
         (["spectrum", "case.nml", "--threads", "two"], "--threads: two: must be a whole number"),
+        (["cost", "case.nml", "--out", "x.doc"], "is not a format of figures"),
         (["cost", "case.nml", "--target", "nan"], "--target: nan: must be in (0, 1)"),
         (["records", "export", "elcentro", "--out", "."], ".: is a folder, not a file"),
         (["study", "wall", "case.nml", "--out", ".."], "..: is a folder, not a file"),
@@ -57,7 +61,7 @@ def _told(words: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[int, str
         (["reproduce"], "now: tools/run reproduce"),
         (["study", "bands"], "now: a recipe of the page Studies"),
         (["spectrum", "case.nml", "--csv", "x.csv"], "now: --out FILE.csv"),
-        (["spectrum", "case.nml", "--thread", "1", "--plt", "x.png"], "did you mean --plot?"),
+        (["spectrum", "case.nml", "--thread", "1", "--ot", "x.png"], "did you mean --out?"),
         (["spectrm"], "did you mean spectrum?"),
         (
             ["sweep", "--out", "o.csv", "--merge", "case.nml"],
@@ -134,7 +138,7 @@ def test_what_nobody_has_foreseen(
     def fail(_: object) -> int:
         raise ZeroDivisionError("by\nnothing")
 
-    monkeypatch.setattr(check, "run", fail)
+    monkeypatch.setattr(case_files, "run_check", fail)
     monkeypatch.delenv("RWMF_TRACEBACK", raising=False)
     assert _told(["check", "case.nml"], capfd) == (
         3,

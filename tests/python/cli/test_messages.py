@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT
-from rwmf import _extras, _library, cli
+from rwmf import cli
 from rwmf._renamed import NAMES
 from rwmf.cli.command_table import COMMANDS
 from rwmf.errors import InputError
-from rwmf.quantities import QUANTITIES
+from rwmf.kernel import names as _extras
+from rwmf.kernel import tables
+from rwmf.run.quantities import QUANTITIES
 from scenes import coupled
 
 
@@ -42,7 +44,7 @@ from scenes import coupled
 )
 def test_words_of_the_field(word: str, key: str) -> None:
     """Suggestions name a quantity wherever one is expected."""
-    assert _library.meant_quantity(word) == key
+    assert tables.meant_quantity(word) == key
     if not key:
         return
     case = coupled(solver={"t_end": 0.2})
@@ -62,7 +64,7 @@ def test_every_key_misspelled_is_found() -> None:
         if key.startswith("sensitivity_"):
             continue
         if "ordinate" in item.outputs.split() and "{" not in key and len(key) > 6:
-            assert _library.meant_quantity(key[:-3] + key[-2:]) != ""
+            assert tables.meant_quantity(key[:-3] + key[-2:]) != ""
 
 
 @pytest.mark.parametrize(
@@ -118,7 +120,7 @@ def test_run_names_what_it_writes(
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     coupled(solver={"t_end": 0.5}).to_namelist("case.nml")
-    words = ["run", "case.nml", "--plot", "a.svg", "--loops", "b.svg", "--out", "."]
+    words = ["run", "case.nml", "--out", "a.svg", "--loops", "b.svg", "--out", "."]
     assert cli.main(words) == 0
     told = re.findall(r"^written: (.*)$", capsys.readouterr().out, re.MULTILINE)
     found = {path.name for path in tmp_path.iterdir()} - {"case.nml"}

@@ -77,7 +77,7 @@ def test_a_table_of_cases(command: Runner, batch: Runner, tmp_path: Path) -> Non
     [
         (["a.nml", "b.nml"], "several cases need --out"),
         (["a.nml", "b.nml", "--out", "folder"], "must end with .csv, .nc, .jsonl"),
-        (["a.nml", "--out", "t.csv", "--plot", "x.png"], "--plot: needs one case"),
+        (["a.nml", "--out", "t.csv", "--out", "x.png"], "--out FILE.png: needs one case"),
         (["a.nml", "a.nml", "--out", "a.nml"], "must end with"),
     ],
 )

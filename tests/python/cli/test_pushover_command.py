@@ -61,7 +61,7 @@ def test_json_and_csv(command: Runner, case_file: Path, tmp_path: Path) -> None:
 
 
 def test_table(command: Runner, case_file: Path) -> None:
-    found = command("pushover", str(case_file), "--pattern", "floors", "--forces", "1,3")
+    found = command("pushover", str(case_file), "--pattern", "1,3")
     assert found.returncode == 0
     assert "floors: 0.25, 0.75 of the base shear" in found.stdout
     for words in (
@@ -77,15 +77,14 @@ def test_table(command: Runner, case_file: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["--run"], "--run: needs --plot FILE"),
+        (["--run"], "--run: needs a figure"),
         (["--drifts", "2"], "must be between -1 and 1"),
         (["--drifts", "x"], "finite numbers with commas"),
-        (["--pattern", "floors"], "needs forces"),
-        (["--forces", "1,2,3"], "has 3 values, must have one for each floor that is loaded: 2"),
-        (["--pattern", "roof", "--forces", "1,2"], "must only be given with the pattern 'floors'"),
-        (["--pattern", "second"], "invalid choice"),
+        (["--pattern", "1,2,3"], "has 3 values, must have one for each floor that is loaded: 2"),
+        (["--pattern", "second"], "must be first_mode, roof, or forces"),
         (["--steps", "0"], "must be a whole number"),
-        (["--plot", "x.doc"], "is not a format of figures"),
+        (["--forces", "1,2"], "now: --pattern F1,F2"),
+        (["--out", "x.svg", "--out", "y.png"], "allowed is one file and one figure"),
     ],
 )
 def test_errors(command: Runner, case_file: Path, words: list[str], text: str) -> None:

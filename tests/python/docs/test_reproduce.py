@@ -17,7 +17,7 @@ from reproduce import __main__ as reproduce_command
 from reproduce import figures, responses
 from reproduce.claims import CLAIMS, Measured
 from reproduce.responses import EXACT, PUBLISHED, Responses, View
-from rwmf.plotting import animation as animate
+from rwmf.figures import film as animate
 
 # a few periods instead of hundreds
 PERIODS = (0.5, 1.0, 2.0, 3.0)

@@ -13,7 +13,7 @@ import pytest
 import rwmf
 from checkout import ROOT
 from matrix import PATHS, REFUSALS, ROWS, Scene, entry_of
-from rwmf import _library
+from rwmf.kernel import tables
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def test_every_effect_has_a_row() -> None:
     """The kernel's own list; a case with `&spectrum` is the business of two columns."""
     present = {group for groups in ROWS.values() for group in groups}
     requests = {"spectrum", "base_section", "limits", "sensitivity", "design"}
-    assert present == set(_library.needs_of_groups()) - requests
+    assert present == set(tables.needs_of_groups()) - requests
 
 
 @pytest.mark.parametrize("entry", REFUSALS, ids=lambda entry: entry.rows)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from checkout import ROOT
-from rwmf import _library
+from rwmf.kernel import tables
 
 sys.path.append(str(ROOT / "bench"))
 
@@ -46,7 +46,7 @@ def test_pair(first: str, second: str, folder: Path) -> None:
 
 
 def test_no_group_is_missing() -> None:
-    groups = {row[0] for row in _library.schema()} - _NO_EFFECTS
+    groups = {row[0] for row in tables.schema()} - _NO_EFFECTS
     assert groups == {group for effect in pairs.EFFECTS.values() for group in effect} - _NO_EFFECTS
 
 
@@ -56,7 +56,7 @@ def test_no_law_is_missing() -> None:
     A rule that makes lists (`distribution`) is the same effect as those lists, and the scale of a
     damping (`xi_of`) the same as that damping.
     """
-    for group, key, kind, _, default, allowed, *_ in _library.schema():
+    for group, key, kind, _, default, allowed, *_ in tables.schema():
         if group in _NO_EFFECTS or kind != "choice" or group in ("motion",):
             continue
         if key in ("unit", "distribution", "xi_of"):

@@ -9,7 +9,7 @@ import pytest
 from explorer_page import DESK, FIG12, Open, Opened
 from page_client import served
 from rwmf import Case
-from rwmf._explore.server import PageServer
+from rwmf.explorer.server import PageServer
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

@@ -21,10 +21,10 @@ import pytest
 from checkout import ROOT
 from page_client import Client, served
 from rwmf import Case
-from rwmf._explore import server as server_module
-from rwmf._explore import workers as workers_module
-from rwmf._explore.server import Folder, PageServer
-from rwmf.quantities import find
+from rwmf.explorer import server as server_module
+from rwmf.explorer import workers as workers_module
+from rwmf.explorer.server import Folder, PageServer
+from rwmf.run.quantities import find
 
 INPUTS = ROOT / "inputs"
 FIG12 = INPUTS / "fig12_one_sine.nml"
@@ -147,7 +147,7 @@ def test_every_question_has_a_limit(
 
 def _workers(process: int) -> list[int]:
     """List the processes that a server has started."""
-    found = subprocess.run(["pgrep", "-P", str(process), "-f", "rwmf._explore.worker"],
+    found = subprocess.run(["pgrep", "-P", str(process), "-f", "rwmf.explorer.worker"],
                            capture_output=True, text=True, check=False)  # fmt: skip
     return [int(word) for word in found.stdout.split()]
 

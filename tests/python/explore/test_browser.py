@@ -18,8 +18,8 @@ from checkout import ROOT, Runner
 from explorer_page import FIG12, Open, Opened
 from page_client import served
 from rwmf import Case
-from rwmf._explore.questions import given
-from rwmf._explore.server import PageServer
+from rwmf.explorer.questions import given
+from rwmf.explorer.server import PageServer
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

@@ -8,9 +8,9 @@ import pytest
 import rwmf
 from checkout import ROOT
 from rwmf import Case
-from rwmf._explore.model import captions_of, compare_with_frame, uplift_acceleration
-from rwmf._explore.presets import case_of_preset
-from rwmf.quantities import find
+from rwmf.explorer.model import captions_of, compare_with_frame, uplift_acceleration
+from rwmf.explorer.questions import case_of_preset
+from rwmf.run.quantities import find
 
 BLOCK = case_of_preset("block")
 FRAME = case_of_preset("wall_and_frame")
@@ -20,7 +20,7 @@ FIG12 = case_of_preset("fig12_one_sine")
 def _captions(case: Case, t_lift_off: float | None = None, yields: tuple[bool, ...] = ()) -> str:
     """Return the captions of a run; times and storeys as the page passes them."""
     shown = case.replace(output={"dt": 0.1, "energy": True, "reactions": True})
-    with rwmf._simulation.start(shown) as run:
+    with rwmf.run.simulation.start(shown) as run:
         return " ".join(captions_of(shown, run.summary(), t_lift_off, yields))
 
 

@@ -14,7 +14,7 @@ import pytest
 import rwmf
 from explorer_page import FIG12, SETTLED
 from page_client import Client
-from rwmf._explore import server as explorer
+from rwmf.explorer import server as explorer
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

@@ -16,11 +16,11 @@ import pytest
 import rwmf
 from checkout import ROOT, Runner
 from page_client import Client, served
-from rwmf import Case, _simulation
-from rwmf._explore import model
-from rwmf._explore.presets import case_of_preset
-from rwmf._explore.questions import Question, given
-from rwmf._explore.server import PageServer
+from rwmf import Case
+from rwmf.explorer import model
+from rwmf.explorer.questions import Question, case_of_preset, given
+from rwmf.explorer.server import PageServer
+from rwmf.run import simulation as _simulation
 
 FIG12 = ROOT / "inputs" / "fig12_one_sine.nml"
 # a run of several minutes, which must be stopped when it is no longer needed
@@ -458,7 +458,7 @@ def test_a_motion_from_arrays(tmp_path: Path) -> None:
 
 
 def test_the_case_of_the_package_is_the_one_of_inputs() -> None:
-    package = ROOT / "driver" / "rwmf" / "_explore" / "presets" / "fig12_one_sine.nml"
+    package = ROOT / "driver" / "rwmf" / "explorer" / "presets" / "fig12_one_sine.nml"
     assert package.read_bytes() == FIG12.read_bytes()
 
 

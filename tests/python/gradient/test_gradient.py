@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import rwmf
 from random_cases import random_cases
-from rwmf._gradient import held_keys
-from rwmf._gradient.held_keys import (
+from rwmf.assess import held_keys
+from rwmf.assess.held_keys import (
     derivative_at,
     find_parameters,
     offsets_of,

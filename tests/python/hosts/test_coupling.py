@@ -13,7 +13,7 @@ import pytest
 import rwmf
 from checkout import ROOT
 from rwmf.coupling import FunctionHost, OpenSeesHost, couple
-from rwmf.export.si_building import read_building
+from rwmf.hosts.si_building import read_building
 
 TEXT = (
     "&wall h = 2.0, b = 0.5, m_w = 2.0e4 / &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /"

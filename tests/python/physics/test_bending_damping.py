@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import rwmf
-from rwmf.export.opensees import opensees_script
+from rwmf.hosts.opensees_script import opensees_script
 from scenes import coupled
 from scipy.linalg import eigh
 

@@ -14,7 +14,7 @@ import pytest
 import rwmf
 import xarray as xr
 from combinations import further_combination
-from rwmf.quantities import QUANTITIES, Quantity
+from rwmf.run.quantities import QUANTITIES, Quantity
 from scenes import block, coupled
 
 G = 9.81

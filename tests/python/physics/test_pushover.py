@@ -488,7 +488,7 @@ def test_overturning_and_limits() -> None:
 
 def test_marks_of_limits() -> None:
     """`mark_crossings` interpolates the drift at which a variable reaches a level."""
-    from rwmf._pushover import mark_crossings
+    from rwmf.run.pushover import mark_crossings
 
     curve = rwmf.pushover(_case(), (0.02, -0.02))
     marked = mark_crossings(curve, "rotation limit", "theta", 0.01)

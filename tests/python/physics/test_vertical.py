@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from rwmf._library import measure as _measure
+from rwmf.kernel import measure as _measure
 from scenes import bare_frame, block, coupled
 from scipy.integrate import solve_ivp
 

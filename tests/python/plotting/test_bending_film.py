@@ -12,10 +12,9 @@ from checkout import ROOT
 pytest.importorskip("matplotlib")
 
 from rwmf import cli
-from rwmf.plotting.animation import _stage, in_words, scale_of
-from rwmf.plotting.building import find_building
-from rwmf.plotting.levels import mode_shapes
-from rwmf.plotting.style import new_figure
+from rwmf.figures.film import _stage, find_building, in_words, scale_of
+from rwmf.figures.levels import mode_shapes
+from rwmf.figures.styles import new_figure
 
 COUPLINGS = ("full", "reduced", "every_floor", "springs", "single", "none")
 

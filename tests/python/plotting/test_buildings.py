@@ -16,12 +16,11 @@ pytest.importorskip("matplotlib")
 from matplotlib.axes import Axes
 from PIL import Image, ImageSequence
 from rwmf import cli
-from rwmf.plotting import image_files as figures
-from rwmf.plotting.animation import animate, corners
-from rwmf.plotting.building import BuildingLines, find_building
-from rwmf.plotting.image_files import save_history
-from rwmf.plotting.response import members
-from rwmf.plotting.style import COLOURS, new_figure
+from rwmf.figures import image_files as figures
+from rwmf.figures.film import BuildingLines, animate, corners, find_building
+from rwmf.figures.histories import members
+from rwmf.figures.image_files import save_history
+from rwmf.figures.styles import COLOURS, new_figure
 
 WALL_GROUPS = ("wall", "cable", "impact")
 # without a wall no floor is linked to it
@@ -150,7 +149,7 @@ def test_run_draws_demands_that_the_case_does_not_ask_for(
         )
     ):
         case.to_namelist("case.nml")
-        assert cli.main(["run", "case.nml", "--plot", f"{k}.png", "--json"]) == 0
+        assert cli.main(["run", "case.nml", "--out", f"{k}.png", "--json"]) == 0
         run, asked = drawn[k], rwmf.simulate(case)
         peak = "theta_max_over_alpha" if case.frame is None else "u_s_max"
         assert float(run[peak]) == float(asked[peak])

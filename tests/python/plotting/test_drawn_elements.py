@@ -11,12 +11,11 @@ import rwmf
 pytest.importorskip("matplotlib")
 
 from matplotlib.axes import Axes
-from rwmf._explore.model import Model
-from rwmf._explore.questions import given, read
-from rwmf.plotting.animation import Scale, _stage
-from rwmf.plotting.building import find_building
-from rwmf.plotting.elements import COLOURS_OF
-from rwmf.plotting.style import COLOURS, GREY, PALE, new_figure
+from rwmf.explorer.model import Model
+from rwmf.explorer.questions import given, read
+from rwmf.figures.film import Scale, _stage, find_building
+from rwmf.figures.levels import COLOURS_OF
+from rwmf.figures.styles import COLOURS, GREY, PALE, new_figure
 
 TEXT = """
 &wall h = 4.0, b = 1.0, walls = 3 /

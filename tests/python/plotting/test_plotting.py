@@ -14,8 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.legend import Legend
-from rwmf.plotting.response import members
-from rwmf.plotting.style import COLOURS, make_panels, new_figure, series, tint
+from rwmf.figures.histories import members
+from rwmf.figures.styles import COLOURS, make_panels, new_figure, series, tint
 
 
 def test_coinciding_lines_differ_twice() -> None:

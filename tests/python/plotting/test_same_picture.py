@@ -17,12 +17,12 @@ pytest.importorskip("matplotlib")
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
-from rwmf._explore.model import Model
-from rwmf._explore.questions import given, read
-from rwmf.plotting.animation import Scale, _stage
-from rwmf.plotting.building import find_building
-from rwmf.plotting.style import new_figure
-from rwmf.quantities import find
+from rwmf.explorer.model import Model
+from rwmf.explorer.questions import given, read
+from rwmf.figures import loops
+from rwmf.figures.film import Scale, _stage, find_building
+from rwmf.figures.styles import new_figure
+from rwmf.run.quantities import find
 
 Drawing = Callable[[rwmf.Case, Figure], object]
 _SHORT: dict[str, Any] = {"output": {"dt": 0.02, "reactions": True}, "solver": {"t_end": 3.0}}
@@ -35,13 +35,13 @@ def _own_period(case: rwmf.Case) -> dict[str, Any]:
 
 def _history(case: rwmf.Case, figure: Figure) -> None:
     run = rwmf.simulate(case)
-    names = rwmf.plotting.response.panels_of(run)
+    names = rwmf.figures.histories.panels_of(run)
     rwmf.plot.history(run, figure.subplots(len(names)), names, case=case)
 
 
 def _profile(case: rwmf.Case, figure: Figure) -> None:
     run = rwmf.simulate(case)
-    n = len(rwmf.plotting.profile.demands_of(run))
+    n = len(rwmf.figures.profiles.demands_of(run))
     # without a wall ratios are over no mass, and no shear is in N
     if n and case.wall is not None:
         rwmf.plot.profile(run, figure.subplots(1, n), case=case)
@@ -52,7 +52,7 @@ def _loops(case: rwmf.Case, figure: Figure) -> None:
     # a mass makes kilonewtons of ratios
     run = run.drop_vars([name for name in run if run[name].attrs.get("units") == "N"])
     if {"yielding", "cable", "fuse"} & case.groups.keys():
-        n = len(rwmf.loops.group_by_kind(rwmf.loops.find_loops(run, case)))
+        n = len(loops.group_by_kind(rwmf.loops.find_loops(run, case)))
         rwmf.loops.draw(run, case, figure.subplots(1, n, squeeze=False)[0])
 
 

@@ -111,7 +111,7 @@ def test_files_of_uplot_are_the_pinned_ones() -> None:
     hashes = re.findall(r"'(uPlot\..*)': '([0-9a-f]{64})'", _text("driver/meson.build"))
     assert [name for name, _ in hashes] == ["uPlot.iife.js", "uPlot.min.css"]
     for name, expected in hashes:
-        content = (Path(rwmf.__file__).parent / "_explore/page/vendor" / name).read_bytes()
+        content = (Path(rwmf.__file__).parent / "explorer/page/vendor" / name).read_bytes()
         assert hashlib.sha256(content).hexdigest() == expected
         if name.endswith(".js"):
             assert f"(v{release})" in content.decode()[:400]

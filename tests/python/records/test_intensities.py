@@ -54,7 +54,7 @@ def _noise(seed: int, n: int = 60, *, is_even: bool = True) -> rwmf.Motion:
 def test_el_centro(
     elcentro: Path, kind: str, options: dict[str, float], wanted: float, digits: float
 ) -> None:
-    found = rwmf.intensity(elcentro, kind, unit="g", **options)  # type: ignore[arg-type]
+    found = rwmf.records.intensity(elcentro, kind, unit="g", **options)  # type: ignore[arg-type]
     assert found == pytest.approx(wanted, abs=digits, rel=0)
 
 
@@ -63,19 +63,21 @@ def test_rectangular_pulse(length: float) -> None:
     """A short pulse has its largest response in the free vibration behind it."""
     pulse = rwmf.Motion([1.5, 1.5], dt=length, unit="m/s2")
     wanted = 3.0 * (math.sin(math.pi * length) if length < 0.5 else 1.0)
-    found = rwmf.intensity(pulse, "pseudo_acceleration", period=1.0, damping=0.0)
+    found = rwmf.records.intensity(pulse, "pseudo_acceleration", period=1.0, damping=0.0)
     assert found == pytest.approx(wanted, rel=1e-13)
 
 
 def test_one_line_with_a_change_of_sign() -> None:
     line = rwmf.Motion([-1.0, 2.0], dt=3.0, unit="m/s2")
-    assert rwmf.intensity(line, "cav") == pytest.approx(2.5, rel=1e-15)
-    assert rwmf.intensity(line, "arias", g=10.0) == pytest.approx(math.pi / 20 * 3, rel=1e-15)
+    assert rwmf.records.intensity(line, "cav") == pytest.approx(2.5, rel=1e-15)
+    assert rwmf.records.intensity(line, "arias", g=10.0) == pytest.approx(
+        math.pi / 20 * 3, rel=1e-15
+    )
     # v = -t + t^2/2 and u = -t^2/2 + t^3/6
-    assert rwmf.intensity(line, "peak_velocity") == pytest.approx(1.5, rel=1e-15)
-    assert rwmf.intensity(line, "peak_displacement") == pytest.approx(2 / 3, rel=1e-14)
+    assert rwmf.records.intensity(line, "peak_velocity") == pytest.approx(1.5, rel=1e-15)
+    assert rwmf.records.intensity(line, "peak_displacement") == pytest.approx(2 / 3, rel=1e-14)
     even = rwmf.Motion([1.0, 1.0, 1.0], dt=2.0, unit="m/s2")
-    assert rwmf.intensity(even, "duration_5_95") == pytest.approx(3.6, rel=1e-14)
+    assert rwmf.records.intensity(even, "duration_5_95") == pytest.approx(3.6, rel=1e-14)
 
 
 @pytest.mark.parametrize("is_even", [True, False])
@@ -100,7 +102,7 @@ def test_against_fine_steps(period: float, damping: float, is_even: bool) -> Non
             full = small @ full
             largest = max(largest, abs(full[0]))
         state = full[:2]
-    found = rwmf.intensity(motion, "pseudo_acceleration", period=period, damping=damping)
+    found = rwmf.records.intensity(motion, "pseudo_acceleration", period=period, damping=damping)
     widest = max(h for h, *_ in loads[:-1]) * omega / 100
     assert -1e-9 < found / (omega**2 * largest) - 1 < max(1e-3, widest**2)
 
@@ -115,7 +117,7 @@ def test_between_samples(kind: str) -> None:
     v = np.append(0, np.cumsum(h * (a[1:] + a[:-1]) / 2))
     u = np.append(0, np.cumsum(h * v[:-1] + h**2 * (2 * a[:-1] + a[1:]) / 6))
     dense = float(np.abs(v if kind == "peak_velocity" else u).max())
-    assert -1e-12 < rwmf.intensity(motion, kind) / dense - 1 < 1e-4
+    assert -1e-12 < rwmf.records.intensity(motion, kind) / dense - 1 < 1e-4
 
 
 @pytest.mark.parametrize("kind", _OPTIONS)
@@ -125,19 +127,19 @@ def test_further_samples_on_the_lines_change_nothing(kind: str) -> None:
     times = np.sort(np.concatenate([motion.times, middles]))
     values = np.interp(times, motion.times, motion.values)
     finer = rwmf.Motion(values, times=times, unit="m/s2")
-    found = [rwmf.intensity(item, kind, **_OPTIONS[kind]) for item in (motion, finer)]
+    found = [rwmf.records.intensity(item, kind, **_OPTIONS[kind]) for item in (motion, finer)]
     assert found[0] == pytest.approx(found[1], rel=1e-11)
 
 
 @pytest.mark.parametrize("kind", _OPTIONS)
 def test_units_signs_and_factors(kind: str) -> None:
     motion, options = _noise(5), _OPTIONS[kind]
-    found = rwmf.intensity(motion, kind, **options)
+    found = rwmf.records.intensity(motion, kind, **options)
     other = rwmf.Motion(motion.values * -300, dt=motion.dt, unit="cm/s2")
-    scaled = rwmf.intensity(other, kind, **options)
+    scaled = rwmf.records.intensity(other, kind, **options)
     assert scaled == pytest.approx(found * 3.0 ** _POWERS[kind], rel=1e-12)
     in_g = rwmf.Motion(motion.values / 9.7, dt=motion.dt, unit="g")
-    assert rwmf.intensity(in_g, kind, g=9.7, **options) == pytest.approx(
+    assert rwmf.records.intensity(in_g, kind, g=9.7, **options) == pytest.approx(
         found * (9.81 / 9.7 if kind == "arias" else 1.0), rel=1e-12
     )
 
@@ -154,16 +156,16 @@ def test_directions_of_a_pair(kind: str) -> None:
     pair = (_noise(1), _noise(2))
     others = _turned(pair, 0.4321)
     for component in ("rotd00", "rotd50", "rotd84", "rotd100"):
-        found = [rwmf.intensity(tuple(item), kind, component=component, **options)  # type: ignore[arg-type]
+        found = [rwmf.records.intensity(tuple(item), kind, component=component, **options)  # type: ignore[arg-type]
                  for item in (pair, others)]  # fmt: skip
         assert found[0] == pytest.approx(found[1], rel=1e-4)
     # every direction lies between the extremes
     low, high = (
-        rwmf.intensity(pair, kind, component=component, **options)
+        rwmf.records.intensity(pair, kind, component=component, **options)
         for component in ("rotd0", "rotd100")
     )
     for angle in (0.0, 0.7, 2.9):
-        one = rwmf.intensity(_turned(pair, angle)[0], kind, **options)
+        one = rwmf.records.intensity(_turned(pair, angle)[0], kind, **options)
         assert low * (1 - 1e-9) <= one <= high * (1 + 1e-9)
 
 
@@ -172,10 +174,10 @@ def test_equal_and_missing_components(kind: str) -> None:
     options, power = _OPTIONS[kind], _POWERS[kind]
     x = _noise(4)
     nothing = rwmf.Motion(np.zeros(x.values.size), dt=x.dt, unit="m/s2")
-    alone = rwmf.intensity(x, kind, **options)
+    alone = rwmf.records.intensity(x, kind, **options)
 
     def found(component: str, *pair: rwmf.Motion) -> float:
-        return rwmf.intensity((pair[0], pair[1]), kind, component=component, **options)
+        return rwmf.records.intensity((pair[0], pair[1]), kind, component=component, **options)
 
     assert found("rotd100", x, x) == pytest.approx(alone * math.sqrt(2) ** power, rel=1e-9)
     assert found("rotd50", x, nothing) == pytest.approx(alone / math.sqrt(2) ** power, rel=1e-5)
@@ -201,7 +203,7 @@ def test_equal_and_missing_components(kind: str) -> None:
 )
 def test_refusals(kind: str, options: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        rwmf.intensity(_noise(1), kind, **options)
+        rwmf.records.intensity(_noise(1), kind, **options)
 
 
 @pytest.mark.parametrize(
@@ -214,10 +216,10 @@ def test_refusals(kind: str, options: dict[str, Any], message: str) -> None:
 )
 def test_refused_components(component: str, kind: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        rwmf.intensity((_noise(1), _noise(2)), kind, component=component)
+        rwmf.records.intensity((_noise(1), _noise(2)), kind, component=component)
     slower = rwmf.Motion([0.0, 1.0, 0.0], dt=0.03, unit="m/s2")
     with pytest.raises(InputError, match="the same times"):
-        rwmf.intensity((_noise(1), slower), "cav", component="rotd50")
+        rwmf.records.intensity((_noise(1), slower), "cav", component="rotd50")
 
 
 @pytest.mark.parametrize("kind", [kind for kind, power in _POWERS.items() if power > 0])
@@ -229,7 +231,7 @@ def test_levels_are_intensities_for_every_design(kind: str) -> None:
         coupled(frame={"T_s": 0.6, "xi_s": 0.02}, solver={"rtol": 1e-8}).without("cable"),
         coupled().without("frame"),
     ]
-    records = rwmf.find_records([_noise(1), _noise(2)])
+    records = rwmf.records.find_records([_noise(1), _noise(2)])
     analyses = [
         rwmf.sweep(case, {"scale": [0.3, 0.5]}, records, intensity=kind, **options)
         for case in designs
@@ -241,7 +243,7 @@ def test_levels_are_intensities_for_every_design(kind: str) -> None:
     own = float(formats[0][0].split("times ")[1])
     unit = 9.81 if "acceleration" in kind else 1.0
     one = dataclasses.replace(records[0], scale=own)
-    assert rwmf.intensity(one, kind, **options) == pytest.approx(unit, rel=1e-12)
+    assert rwmf.records.intensity(one, kind, **options) == pytest.approx(unit, rel=1e-12)
     # the run at level 0.5 has the factor of an intensity of 0.5
     factor = own * 0.5 ** (1 / _POWERS[kind])
     peak = rwmf.sweep(

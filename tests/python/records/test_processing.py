@@ -87,9 +87,9 @@ def test_steps_that_no_record_takes(words: dict[str, object], said: str) -> None
 def test_the_file_lists_its_steps_and_is_read_as_it_is(command: Runner, tmp_path: Path) -> None:
     raw = _motion(np.sin(7.0 * T) * np.exp(-0.1 * T) + 0.01)
     raw.write(tmp_path / "raw.txt")
-    words = ["raw.txt", "--unit", "m/s2", "--dt", "0.01", "--out", "new.txt"]
+    words = ["raw.txt", "--unit", "m/s2,0.01", "--out", "new.txt"]
     steps = ["--resample", "0.005", "--baseline", "1", "--taper", "1", "--band", "0.1:"]
-    found = command("records", "process", *words, *steps)
+    found = command("records", "convert", *words, *steps)
     assert found.returncode == 0, found.stderr
     expected = rwmf.records.process(raw, resample=0.005, baseline=1, taper=1.0, band=(0.1, np.inf))
     header = [x for x in (tmp_path / "new.txt").read_text().splitlines() if x.startswith("# ")]
@@ -100,7 +100,7 @@ def test_the_file_lists_its_steps_and_is_read_as_it_is(command: Runner, tmp_path
     assert (read.unit, read.dt) == ("m/s2", 0.005)
     assert np.array_equal(read.values, expected.motion.values)
     assert [line for line in found.stdout.splitlines() if line[:2] in ("1.", "2.", "3.", "4.")]
-    found = command("records", "process", *words, *steps, "--force", "--plot", "raw.txt")
+    found = command("records", "convert", *words[:3], *steps, "--force", "--out", "raw.txt")
     assert found.returncode == 2 and "is read by this run" in found.stderr
     case = rwmf.Case.from_text(
         f"&frame T_s = 1.0, xi_s = 0.05 /\n&motion kind = 'record', file = '{tmp_path}/new.txt' /"

@@ -148,7 +148,7 @@ def test_samples(name: str, end: str, tmp_path: Path) -> None:
     make, unit, dt = _FILES[name]
     path = tmp_path / name
     path.write_bytes(make().replace("\n", end).encode())
-    found = rwmf.find_records([path])
+    found = rwmf.records.find_records([path])
     motion = found[0].array
     assert motion is not None
     assert (motion.unit, motion.times[1]) == (unit, pytest.approx(dt, rel=1e-12))
@@ -206,7 +206,7 @@ def test_damaged_files(name: str, tmp_path: Path) -> None:
         path = tmp_path / name
         path.write_bytes(content)
         try:
-            rwmf.find_records([path])
+            rwmf.records.find_records([path])
         except InputError:
             errors += 1
     assert errors > 10
@@ -278,7 +278,7 @@ def test_messages(name: str, old: str, new: str, message: str, tmp_path: Path) -
     assert old in text
     path = _write(tmp_path, name, text.replace(old, new))
     with pytest.raises(InputError, match=message) as caught:
-        rwmf.find_records([path])
+        rwmf.records.find_records([path])
     assert str(path) in str(caught.value)
 
 
@@ -315,7 +315,7 @@ def test_formats_that_are_not_read(content: bytes, message: str, tmp_path: Path)
 def test_units_of_headers(header: str, unit: str | None, tmp_path: Path) -> None:
     path = tmp_path / "two.csv"
     path.write_text(header + "\n0,1.5\n0.1,-2\n0.2,0\n")
-    assert rwmf.find_records([path])[0].unit == unit
+    assert rwmf.records.find_records([path])[0].unit == unit
     if unit is None:
         with pytest.raises(InputError, match=r"two.csv: .*needs the key unit"):
             records.read(path)
@@ -323,7 +323,7 @@ def test_units_of_headers(header: str, unit: str | None, tmp_path: Path) -> None
     else:
         other = "g" if unit != "g" else "m/s2"
         with pytest.raises(InputError, match=f"unit = '{other}': the header says '{unit}'"):
-            rwmf.find_records([path], unit=other)
+            rwmf.records.find_records([path], unit=other)
     motion = records.read(path, unit=unit)
     assert (motion.unit, list(motion.values)) == (unit, [1.5, -2.0, 0.0])
 
@@ -354,7 +354,7 @@ def test_doubts(tmp_path: Path) -> None:
 
 def test_channels_and_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = _write(tmp_path, "CICLC.v1")
-    assert [record.name for record in rwmf.find_records([path])] == ["CICLC-1", "CICLC-2"]
+    assert [record.name for record in rwmf.records.find_records([path])] == ["CICLC-1", "CICLC-2"]
     with pytest.raises(InputError, match=r"has 3 channels: 1 .90 Deg., 2 .360 Deg., 3 .Up."):
         records.read(path)
     up = records.read(path, channel=3)

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import rwmf
 from record_variants import DT, SAMPLES, N, Variant, variants
-from rwmf import _library, cli, records
+from rwmf import cli, records
 from rwmf.errors import InputError
+from rwmf.kernel import tables
 
 _UNITS = {None: None, "g": 9.81, "m/s2": 1.0, "cm/s2": 0.01}
 _KEYS = [*itertools.product(_UNITS, (None, DT)), ("g", 2 * DT)]
@@ -20,7 +21,7 @@ _VARIANTS = variants()
 def _read(variant: Variant, unit: str | None, dt: float | None) -> bool:
     """Read a file with given keys; False when it is refused."""
     try:
-        found = _library.read_record(variant.content, unit, dt)
+        found = tables.read_record(variant.content, unit, dt)
     except InputError as error:
         assert "\n" not in str(error)
         return False
@@ -112,7 +113,8 @@ def test_contradictions_by_every_door(
     assert str(path) in str(caught.value)
     if "K-NET" in text or "h1" in text:
         return
-    options = [word for key, value in keys.items() for word in (f"--{key}", str(value))]
+    words = [str(keys.get("unit", "")), *([str(keys["dt"])] if "dt" in keys else [])]
+    options = ["--unit", ",".join(words)] if keys else []
     assert cli.main(["records", "info", str(path), *options]) == 2
     shown = capsys.readouterr().err
     assert str(path) in shown
@@ -125,7 +127,7 @@ def test_csv_of_k_net(tmp_path: Path) -> None:
     rows = [f"2020/01/01 00:00:{i / 100:05.2f},{i / 100:.2f},{i},{-i},1" for i in range(20)]
     path = tmp_path / "knet.csv"
     path.write_text("\n".join([*head, *rows]) + "\n")
-    names = [record.name for record in rwmf.find_records([path])]
+    names = [record.name for record in rwmf.records.find_records([path])]
     assert names == ["knet-N-S", "knet-E-W"]
     east = records.read(path, channel=2)
     assert (east.unit, east.dt, east.values[3]) == ("cm/s2", 0.01, -3.0)

@@ -56,12 +56,14 @@ def test_components_by_name(names: tuple[str, str, str], tmp_path: Path) -> None
     found = [Path(item.path).name for item in (pair.first, pair.second, pair.vertical)]
     assert found == list(names)
     # in a folder and a pattern the vertical component is no ground motion of the suite
-    pattern = rwmf.find_records([str(tmp_path / "*.[aA][tT]2")])
+    pattern = rwmf.records.find_records([str(tmp_path / "*.[aA][tT]2")])
     assert [Path(item.path).name for item in pattern] == list(names[:2])
     with pytest.warns(rwmf.RwmfWarning, match=f"{names[2]}: is a vertical component, and acts"):
-        assert len(rwmf.find_records([tmp_path / name for name in names])) == 3
-    assert [Path(item.path).name for item in rwmf.find_records([tmp_path])] == list(names[:2])
-    assert rwmf.find_records([tmp_path / names[2]])[0].name == Path(names[2]).stem
+        assert len(rwmf.records.find_records([tmp_path / name for name in names])) == 3
+    assert [Path(item.path).name for item in rwmf.records.find_records([tmp_path])] == list(
+        names[:2]
+    )
+    assert rwmf.records.find_records([tmp_path / names[2]])[0].name == Path(names[2]).stem
     (tmp_path / names[1]).unlink()
     with pytest.raises(InputError, match=r"1 horizontal and 1 vertical components .* must be 2"):
         records.pairs([tmp_path])
@@ -87,12 +89,12 @@ def test_horizontal_components_of_a_folder(names: list[str], left: int, tmp_path
         if "._" in name or "__MACOSX" in name:
             path.write_bytes(b"\0\5\26\7")
     (tmp_path / "Thumbs.db").write_bytes(b"\0")
-    found = rwmf.find_records([tmp_path])
+    found = rwmf.records.find_records([tmp_path])
     assert [item.name for item in found] == [Path(name).name for name in names[:left]]
     if "__MACOSX" in names[-1] or len(names) == 5:
         # as the shell expands a pattern
-        assert rwmf.find_records(sorted(tmp_path.glob("[!.]*"))) == found
-        assert rwmf.find_records([str(tmp_path / "*.AT2")]) == found
+        assert rwmf.records.find_records(sorted(tmp_path.glob("[!.]*"))) == found
+        assert rwmf.records.find_records([str(tmp_path / "*.AT2")]) == found
 
 
 def test_stations_of_a_folder_stay_apart(tmp_path: Path) -> None:
@@ -135,7 +137,7 @@ def folder(tmp_path: Path) -> Path:
 def test_lists(text: str, folder: Path) -> None:
     path = folder / "_SearchResults.csv"
     path.write_text(text)
-    found = rwmf.find_records([path])
+    found = rwmf.records.find_records([path])
     wanted = [("RSN6_A180", 1.25), ("RSN6_A270", 1.25), ("RSN77_B164", 0.5), ("RSN77_B254", 0.5)]
     assert [(item.name, item.scale) for item in found] == wanted[: len(found)]
     assert len(found) == (3 if text is _LIST else 4)
@@ -176,7 +178,7 @@ def test_variants_of_lists(kind: str, folder: Path) -> None:
     path = folder / "list.csv"
     path.write_text(text, encoding="utf-8")
     wanted = [("RSN6_A180", 1.25), ("RSN6_A270", 1.25), ("RSN77_B164", 0.5), ("RSN77_B254", 0.5)]
-    assert [(item.name, item.scale) for item in rwmf.find_records([path])] == wanted[:count]
+    assert [(item.name, item.scale) for item in rwmf.records.find_records([path])] == wanted[:count]
 
 
 @pytest.mark.parametrize(
@@ -204,7 +206,7 @@ def test_lists_that_are_refused(text: str, message: str, folder: Path) -> None:
     path = folder / "list.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=message) as caught:
-        rwmf.find_records([path])
+        rwmf.records.find_records([path])
     assert str(path) in str(caught.value)
 
 
@@ -224,7 +226,7 @@ def test_damaged_lists(old: str, new: str, message: str, folder: Path) -> None:
     path = folder / "_SearchResults.csv"
     path.write_text(_PEER.replace(old, new))
     with pytest.raises(InputError, match=message) as caught:
-        rwmf.find_records([path])
+        rwmf.records.find_records([path])
     assert str(path) in str(caught.value)
 
 
@@ -326,7 +328,9 @@ def test_the_mean_over_the_band_is_the_target(is_paired: bool, tmp_path: Path) -
     np.testing.assert_allclose(logs.mean(axis=1), 0, atol=1e-12)
     assert found.misfit == pytest.approx(math.sqrt((logs.mean(axis=0) ** 2).mean()), rel=1e-9)
     # the spectra are those of the scaled records
-    sa = rwmf.intensity(found.records[0], "pseudo_acceleration", period=float(found.periods[7]))
+    sa = rwmf.records.intensity(
+        found.records[0], "pseudo_acceleration", period=float(found.periods[7])
+    )
     assert found.spectra[0, 7] == pytest.approx(sa / 9.81, rel=1e-12)
     if is_paired:
         factors = [item.scale for item in found.records]
@@ -379,11 +383,11 @@ def test_the_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
         "--band",
         "0.2,1.5",
     ]
-    options = ["--n", "1", "--pairs", "--limits", "0.001,1000", "--out", str(suite), "--plot",
+    options = ["--n", "1", "--pairs", "--limits", "0.001,1000", "--out", str(suite), "--out",
                str(picture), "--json"]  # fmt: skip
     assert cli.main([*words, *options]) == 0
     told = json.loads(capsys.readouterr().out)
-    found = rwmf.find_records([suite])
+    found = rwmf.records.find_records([suite])
     assert [(item.path, item.scale) for item in found] == [
         (item["file"], item["factor"]) for item in told["records"]
     ]
@@ -399,7 +403,7 @@ def test_the_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
             "duration_5_95_s": "duration_5_95",
             "cav_m_s": "cav",
         }.items():
-            assert fact[key] == rwmf.intensity(item.path, kind)
+            assert fact[key] == rwmf.records.intensity(item.path, kind)
         assert (fact["dt_s"], fact["samples"]) == (_DT, 300)
     assert cli.main(["records", "info", str(suite.parent), "--json"]) == 2
     assert cli.main([*words, "--out", str(folder / "target.csv")]) == 2
@@ -431,9 +435,9 @@ def test_a_sequence_of_different_files(tmp_path: Path) -> None:
         records.sequence(slow, _motion(1), 2.0)
     with pytest.raises(InputError, match=r"pause = 0.01: must be at least"):
         records.sequence(slow, fast, 0.01)
+    files = _at2(tmp_path / "a.AT2", 1), _at2(tmp_path / "b.AT2", 2)
     out = tmp_path / "sequence.txt"
-    words = ["records", "join", str(_at2(tmp_path / "a.AT2", 1)), str(_at2(tmp_path / "b.AT2", 2))]
-    assert cli.main([*words, "--out", str(out), "--pause", "4", "--factors", "1,0.5"]) == 0
+    records.sequence(*files, 4.0, (1.0, 0.5)).write(out)
     joined = records.sequence(_motion(1), _motion(2), 4.0, (1.0, 0.5))
     assert np.array_equal(records.read(out, unit="g", dt=_DT).values, joined.values)
 

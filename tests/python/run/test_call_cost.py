@@ -17,7 +17,7 @@ import pytest
 import rwmf
 import scenes
 import xarray as xr
-from rwmf import _labels
+from rwmf.run import response as _labels
 from scenes import bare_frame, coupled
 
 _MOTION = rwmf.Motion(np.sin(np.arange(300) * 0.1), dt=0.02, unit="m/s2")

@@ -13,7 +13,7 @@ import pytest
 import rwmf
 import xarray as xr
 from rwmf import cli, plot
-from rwmf.quantities import QUANTITIES
+from rwmf.run.quantities import QUANTITIES
 from scenes import bare_frame, block, coupled
 
 WALL = {"h": 9.6, "b": 2.0, "thickness": 0.35, "density": 2500.0}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import rwmf
 from rwmf import cli, plot
-from rwmf._pushover import columns_by_key
+from rwmf.run.response import columns_by_key
 from scenes import bare_frame, coupled
 
 WALL = {"h": 9.6, "b": 2.0, "thickness": 0.35, "density": 2500.0}
@@ -184,7 +184,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case = _retrofit()
     case.to_namelist(path)
     words = ["pushover", str(path), "--drifts", "0.01", "--steps", "20"]
-    files = ["--checks", str(table), str(figure), "--plot", str(drawn)]
+    files = ["--checks", str(table), str(figure), "--out", str(drawn)]
     assert cli.main([*words, *files]) == 0
     out = capsys.readouterr().out
     assert "reached at" in out

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import rwmf
 from bending_scenes import bending_scene
-from rwmf import _library
+from rwmf.kernel import tables
 
 RECORD = rwmf.Motion(
     0.3 * np.sin(np.arange(600) * 0.02 * 5.0) * np.exp(-np.arange(600) * 0.003), dt=0.02, unit="g"
@@ -220,7 +220,7 @@ def test_others_than_peaks_have_none(word: str) -> None:
     ],
 )
 def test_digits_that_hold(rtol: float, sensitivity: float, digits: int) -> None:
-    assert _library.digits_of(rtol, sensitivity) == digits
+    assert tables.digits_of(rtol, sensitivity) == digits
 
 
 def test_the_terminal_prints_the_digits_that_hold(tmp_path: Path) -> None:
@@ -235,7 +235,7 @@ def test_the_terminal_prints_the_digits_that_hold(tmp_path: Path) -> None:
     lines = {line.split()[0]: line.split() for line in output("--all").splitlines()}
     assert not [key for key in lines if key.startswith("sensitivity_")]
     key = "theta_max_over_alpha"
-    digits = _library.digits_of(1e-9, full[f"sensitivity_{key}"])
+    digits = tables.digits_of(1e-9, full[f"sensitivity_{key}"])
     assert digits < 7
     assert lines[key][1] == f"{full[key]:.{digits}g}"
     assert lines[key][2:] == ["(sensitivity", f"{full[f'sensitivity_{key}']:.2g})"]

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 import rwmf
-from rwmf import _cost as cost_module
 from rwmf import cli
-from rwmf._cost import METHODS, PAPER, PRACTICES, TOLERANCES, Cost, Row, cheapest
-from rwmf._library import measure as _measure
-from rwmf.quantities import QUANTITIES
+from rwmf.assess import cost as cost_module
+from rwmf.assess.cost import METHODS, PAPER, PRACTICES, TOLERANCES, Cost, Row, cheapest
+from rwmf.kernel import measure as _measure
+from rwmf.run.quantities import QUANTITIES
 
 PULSE = """&wall h = 2.0, b = 0.5 /
 &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /
@@ -182,7 +182,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     path = tmp_path / "frame.nml"
     path.write_text(FRAME, encoding="utf-8")
     plot = tmp_path / "cost.png"
-    assert cli.main(["cost", str(path), "--json", "--plot", str(plot)]) == 0
+    assert cli.main(["cost", str(path), "--json", "--out", str(plot)]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert {"reference", "rows", "recommended"} <= set(printed)
     keys = {"method", "rtol", "relative_error", "seconds", "steps", "rhs_evaluations"}

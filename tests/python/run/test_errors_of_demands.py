@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 import rwmf
 from combinations import Combination, combination, further_combination
-from rwmf import _library, _simulation
 from rwmf.errors import RwmfError
+from rwmf.kernel import results
+from rwmf.run import simulation as _simulation
 
 _MOST = 100.0
 _SHAKE = 1e-7
@@ -35,7 +36,7 @@ _SCENES = [
 def _rows(case: rwmf.Case, keys: list[str], size: str, factors: list[float]) -> Values:
     """Rows whose motions are larger by factors."""
     numbers = getattr(case.motion, size) * np.array([factors]).T
-    with _library.start_rows(case.kernel, "", [f"motion.{size}"], numbers, keys, 1) as found:
+    with results.start_rows(case.kernel, "", [f"motion.{size}"], numbers, keys, 1) as found:
         values = found.values()
         assert set(np.ravel(values["status"])) <= {"ok", "overturned", "collapsed"}
         return {key: np.ravel(values[key]) for key in keys}

@@ -6,7 +6,7 @@ import math
 
 import pytest
 import rwmf
-from rwmf._library.measure import measure_fixed_steps, measure_method
+from rwmf.kernel.measure import measure_fixed_steps, measure_method
 from scenes import bare_frame, block, coupled
 
 NAMES = ("rk4", "newmark")

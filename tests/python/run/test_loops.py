@@ -10,7 +10,7 @@ import rwmf
 from checkout import ROOT
 from dimensional import groups_of
 from rwmf import loops
-from rwmf.plotting import image_files as figures
+from rwmf.figures import image_files as figures
 from scenes import bare_frame, block
 
 CASE = rwmf.Case.from_namelist(ROOT / "inputs" / "which_spring_takes_the_energy.nml")

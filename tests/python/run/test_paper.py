@@ -132,7 +132,7 @@ def test_coefficients() -> None:
     alpha, R = np.arctan2(0.5, 2.0), np.hypot(0.5, 2.0)
     sin, cos = np.sin, np.cos
     left, right = -0.05, 0.07
-    A, B = rwmf.paper_coefficients(coupled(), [left, right])
+    A, B = coupled().paper_coefficients([left, right])
     tension = [np.sin(alpha) * (1 + 4 * theta / alpha) for theta in (left, right)]
     a_1 = 1 / (4 / 3 + 4 * gamma * cos(alpha) * cos(left) * cos(-alpha - left))
     a_2 = -4 * gamma * cos(alpha) * cos(left)
@@ -155,4 +155,4 @@ def test_coefficients() -> None:
     ]
     np.testing.assert_allclose(B, expected, rtol=1e-12)
     with pytest.raises(rwmf.InputError, match="needs &wall"):
-        rwmf.paper_coefficients(bare_frame(), 0.1)
+        bare_frame().paper_coefficients(0.1)

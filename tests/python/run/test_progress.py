@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 import rwmf
-from rwmf import _progress
+from rwmf.kernel import progress as _progress
 from scenes import coupled
 
 T_S = [0.4, 0.6, 0.8]

@@ -12,12 +12,11 @@ import pytest
 import rwmf
 from checkout import ROOT
 from random_cases import random_cases
-from rwmf import _simulation as simulation
-from rwmf import quantities
-from rwmf._sweep.intensity import QUANTITIES as SWEPT
 from rwmf.case.namelist import compose
-from rwmf.cli.spectrum import _spectrum_object
-from rwmf.quantities import QUANTITIES
+from rwmf.cli.many_cases import _spectrum_object
+from rwmf.run import quantities, simulation
+from rwmf.run.quantities import ORDINATES as SWEPT
+from rwmf.run.quantities import QUANTITIES
 
 sys.path.append(str(ROOT / "bench"))
 

@@ -9,7 +9,7 @@ import pytest
 import rwmf
 from alone import differences
 from rwmf.errors import InputError
-from rwmf.quantities import QUANTITIES, find
+from rwmf.run.quantities import QUANTITIES, find
 
 # 2 by method fast, 9 without a wall, 19 with storeys that yield; bench/quantities_alone.py has more
 _QUICK = (2, 9, 19)

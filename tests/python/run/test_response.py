@@ -14,9 +14,9 @@ import pytest
 import rwmf
 import xarray as xr
 from checkout import ROOT
-from rwmf import _simulation as simulation
 from rwmf.cli import main
-from rwmf.quantities import QUANTITIES, find, find_numbered
+from rwmf.run import simulation
+from rwmf.run.quantities import QUANTITIES, find, find_numbered
 from scenes import bare_frame, block, coupled
 
 HEIGHT = (4.0, 3.0, 3.5)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import rwmf
 from alone import build
-from rwmf.quantities import QUANTITIES
+from rwmf.run.quantities import QUANTITIES
 
 # numbers of scenes of every family
 _SCENES = (0, 2, 10, 16, 20, 26, 30, 40, 46, 56)

@@ -9,7 +9,7 @@ import pytest
 import rwmf
 from checkout import Runner
 from rwmf import cli
-from rwmf._library import measure as _measure
+from rwmf.kernel import measure as _measure
 
 SCENE = """&wall h = 2.0, b = 0.5 /
 &frame gamma = 5.0, xi_s = 0.05 /

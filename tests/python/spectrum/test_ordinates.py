@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT
-from rwmf import _simulation
 from rwmf.case.namelist import compose
 from rwmf.cli.main import main
 from rwmf.errors import InputError
-from rwmf.quantities import find
+from rwmf.run import simulation as _simulation
+from rwmf.run.quantities import find
 
 sys.path.append(str(ROOT / "bench"))
 
@@ -84,7 +84,7 @@ def test_labels_and_files(folder: Path, tmp_path: Path, capsys: pytest.CaptureFi
     groups |= {"output": None, "spectrum": {"T_s": list(_PERIODS), "quantities": ("ductility",)}}
     path.write_text(compose({name: keys for name, keys in groups.items() if keys is not None}))
     words = ["spectrum", str(path), "--quantities", "ductility", "impacts"]
-    files = ["--out", str(tmp_path / "a.csv"), "--plot", str(tmp_path / "a.svg")]
+    files = ["--out", str(tmp_path / "a.csv"), "--out", str(tmp_path / "a.svg")]
     assert main([*words, "--json", *files]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert {"ductility", "impacts", "status"} <= set(shown)
@@ -134,7 +134,7 @@ def test_other_methods(folder: Path) -> None:
 
 def test_sweeps_take_them_from_one_call(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Points of T_s, gamma and b need no separate run; inapplicable quantities have no value."""
-    monkeypatch.delattr("rwmf._library.start_simulation")
+    monkeypatch.delattr("rwmf.kernel.results.start_simulation")
     case = _case("`exact`", folder)
     grid = {"T_s": list(_PERIODS), "gamma": [5.0, 10.0], "e": [0.8, 0.9]}
     names = ("theta_max_over_alpha", "friction_demand_max", "ductility")

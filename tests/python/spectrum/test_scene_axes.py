@@ -193,7 +193,7 @@ def test_command_spectrum_of_a_block(tmp_path: Path, capsys: pytest.CaptureFixtu
     case = block(motion=PULSE, solver=SOLVER, spectrum={"T_s": [3.0, 4.0], "b": [0.5, 0.6]})
     path = tmp_path / "case.nml"
     case.to_namelist(path)
-    assert cli.main(["spectrum", str(path), "--plot", str(tmp_path / "s.png")]) == 0
+    assert cli.main(["spectrum", str(path), "--out", str(tmp_path / "s.png")]) == 0
     assert cli.main(["spectrum", str(path)]) == 0
     assert "b=0.5" in capsys.readouterr().out
     assert cli.main(["spectrum", str(path), "--json"]) == 0

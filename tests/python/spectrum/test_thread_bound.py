@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 import rwmf
 from checkout import Runner
-from rwmf import _library, cli
+from rwmf import cli
+from rwmf.kernel import results
 
 SCENE = "&frame xi_s = 0.05 /\n&solver t_end = 1.0 /\n&spectrum T_s = 1.0, 2.0 /\n"
 TOO_MANY = ["100000", "99999999999"]
@@ -64,5 +65,5 @@ def test_a_sweep(number: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_bound_is_that_of_the_kernel() -> None:
-    assert _library.check_threads(256) == 256
-    assert _library.check_threads(0) == 0
+    assert results.check_threads(256) == 256
+    assert results.check_threads(0) == 0

@@ -67,7 +67,7 @@ def test_the_command_gives_all_and_no_verdict(
     plt = pytest.importorskip("matplotlib.pyplot")
     monkeypatch.chdir(str(tmp_path))
     _storeys().to_namelist("case.nml")
-    words = ["study", "wall", "case.nml", "--T_s", "0.3,0.5", "--out", "w.nc", "--plot", "w.svg"]
+    words = ["study", "wall", "case.nml", "--T_s", "0.3,0.5", "--out", "w.nc", "--out", "w.svg"]
     assert cli.main(words) == 0
     out = capsys.readouterr().out
     assert "written: w.nc\nwritten: w.svg\n" in out

@@ -101,7 +101,7 @@ def test_measures_that_are_not_linear(kind: str) -> None:
         motion = motions[int(row.record[1:])]
         scaled = rwmf.Motion(motion.values * row.scale, dt=0.02, unit="m/s2", name="x")
         unit = 9.81 if kind == "peak_acceleration" else 1.0
-        assert rwmf.intensity(scaled, kind) / unit == pytest.approx(row.intensity, rel=1e-9)
+        assert rwmf.records.intensity(scaled, kind) / unit == pytest.approx(row.intensity, rel=1e-9)
 
 
 @pytest.mark.parametrize(("name", "stop"), [("t.csv", 1), ("t.nc", 5)])
@@ -134,7 +134,7 @@ def test_interrupted_and_resumed(name: str, stop: int, tmp_path: Path) -> None:
 
 def test_tables_survive_their_files(table: xr.Dataset, tmp_path: Path) -> None:
     pytest.importorskip("h5netcdf")
-    from rwmf._risk import read_table, write_table
+    from rwmf.assess.table import read_table, write_table
 
     for name in ("t.csv", "t.nc"):
         write_table(table, tmp_path / name)
@@ -372,7 +372,7 @@ def test_a_file_names_the_line_of_an_unknown_status(tmp_path: Path) -> None:
 @pytest.mark.parametrize("names", [("#1", "b"), ("# a,b", ' "x";y'), ("a", "#"), ("#", "#r")])
 def test_names_with_marks_keep_their_rows(names: tuple[str, str], tmp_path: Path) -> None:
     """As written by the program, and unquoted where the columns tell it from a comment."""
-    from rwmf._risk import read_table, write_table
+    from rwmf.assess.table import read_table, write_table
 
     rows = {"design": np.repeat(names, 2), "record": ["#1", "#2"] * 2, "intensity": [0.1] * 4,
             "status": ["ok"] * 4}  # fmt: skip
@@ -518,15 +518,15 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) 
     for motion in suite(3):
         times = np.column_stack([motion.times, motion.values])
         np.savetxt(f"{motion.name}.csv", times, fmt="%.17g", delimiter=",")
-    how = "--records r0.csv r1.csv r2.csv --unit m/s2 --period 1.2 --damping 0.05"
+    how = "--records r0.csv r1.csv r2.csv --unit m/s2 --intensity pseudo_acceleration:1.2@0.05"
     two = f"weak.nml strong.nml {how}"
     for words in (
-        f"ida {two} --levels 0.1,0.3 --tolerance 0.2 --out ida.csv --plot ida.png",
+        f"ida {two} --levels 0.1,0.3 --tolerance 0.2 --out ida.csv --out ida.png",
         f"stripes {two} --levels 0.1,0.2,0.4 --out stripes.nc --pelicun demands",
-        f"cloud {two} --factors 0.02,0.1 --out cloud.csv --plot cloud.png",
+        f"cloud {two} --factors 0.02,0.1 --out cloud.csv --out cloud.png",
         "fragility ida.csv --mce 0.2 --dispersions 0.3 --resamples 20 --out f.nc --out f.xml "
-        "--plot f.png --shape-factor 1.2,4,Dmax",
-        "risk f.nc --hazard 1e-4,2.3 --out r.nc --plot r.png",
+        "--out f.png --shape-factor 1.2,4,Dmax",
+        "risk f.nc --hazard 1e-4,2.3 --out r.nc --out r.png",
     ):
         assert cli.main(words.split()) == 0, capsys.readouterr().err
         out = capsys.readouterr().out

@@ -10,8 +10,8 @@ import pytest
 import rwmf
 import xarray as xr
 from rwmf import cli, studies
-from rwmf._sweep import RecordFile, find_records
 from rwmf.errors import InputError
+from rwmf.motion.record_sets import RecordFile, find_records
 from scenes import bare_frame, block, coupled
 
 SOLVER = {"method": "dop853", "rtol": 1e-8, "t_end": 4.0}
@@ -167,7 +167,7 @@ def test_commands(
     monkeypatch.chdir(tmp_path)
     case = _block() if scene == "block" else _storeys(scene)
     case.replace(impact={"rule": "coupled", "e": None}).to_namelist("case.nml")
-    place = ["--plot", "x.png", "--out", "x.nc"]
+    place = ["--out", "x.png", "--out", "x.nc"]
     assert cli.main(["study", words[0], "case.nml", *words[1:], *place]) == 0
     assert Path("x.png").stat().st_size > 5000
     with xr.open_dataset("x.nc", engine="h5netcdf") as found:

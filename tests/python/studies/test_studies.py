@@ -12,7 +12,7 @@ import pytest
 import rwmf
 import xarray as xr
 from rwmf import cli, studies
-from rwmf._sweep import RecordFile, find_records
+from rwmf.motion.record_sets import RecordFile, find_records
 from scenes import bare_frame, block, coupled
 
 QUICK = {"method": "dop853", "rtol": 1e-6}
@@ -97,7 +97,7 @@ def test_commands_draw_and_write(
     case = _overturning_block() if words[0] == "overturning" else coupled(solver=QUICK)
     case.to_namelist("case.nml")
     status = cli.main(
-        ["study", words[0], "case.nml", *words[1:], "--plot", "x.png", "--out", "x.nc"]
+        ["study", words[0], "case.nml", *words[1:], "--out", "x.png", "--out", "x.nc"]
     )
     assert status == 0
     assert Path("x.png").stat().st_size > 5000

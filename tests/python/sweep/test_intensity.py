@@ -137,8 +137,8 @@ def test_files_and_commands_take_and_state_them(
     assert cli.main(["sweep", "s.nml"]) == 0
     with xr.open_dataset("s.nc", engine="h5netcdf") as found:
         assert (found.attrs["intensity_period_s"], found.attrs["intensity_damping"]) == (1.1, 0.05)
-    words = "stripes case.nml --records r0.txt r1.txt --unit m/s2 --dt 0.02 --levels 0.1:3:4"
-    options = "--period 1.1 --damping 0.05 --plot s.svg --out stripes.nc"
+    words = "stripes case.nml --records r0.txt r1.txt --unit m/s2,0.02 --levels 0.1:3:4"
+    options = "--intensity pseudo_acceleration:1.1@0.05 --out s.svg --out stripes.nc"
     assert cli.main([*words.split(), *options.split()]) == 0
     assert cli.main(["fragility", "stripes.nc", "--limit", "0.1", "--out", "f.nc"]) == 0
     with xr.open_dataset("f.nc", engine="h5netcdf") as found:

@@ -12,10 +12,10 @@ import pytest
 import rwmf
 import xarray as xr
 from dimensional import SCENES, groups_of, in_units
-from rwmf import _library
-from rwmf._sweep import find_records
-from rwmf._sweep.executors import open_executor
 from rwmf.errors import InputError
+from rwmf.kernel import tables
+from rwmf.motion.record_sets import find_records
+from rwmf.sweeps.executors import open_executor
 from scenes import bare_frame, block, coupled, record
 
 QUICK = {"method": "dop853", "rtol": 1e-6, "t_end": 3.0}
@@ -323,7 +323,7 @@ def test_files_that_are_refused(text: str, message: str, tmp_path: Path) -> None
 def _keys_of_a_scene() -> list[str]:
     """Numbers that the scenes below have a value of, by the table of keys."""
     kinds = {"real", "integer", "real list", "logical"}
-    rows = [row for row in _library.schema() if row[2] in kinds]
+    rows = [row for row in tables.schema() if row[2] in kinds]
     return [f"{row[0]}.{row[1]}" for row in rows if row[0] not in ("spectrum", "output")]
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from rwmf._sweep import find_records
 from rwmf.errors import InputError
+from rwmf.motion.record_sets import find_records
 from scenes import bare_frame, block, coupled, record
 
 # a method and a tolerance that make small tests quick

@@ -17,8 +17,8 @@ import rwmf
 import xarray as xr
 from checkout import Runner
 from rwmf import cli
-from rwmf._sweep.executors import open_executor
 from rwmf.errors import InputError
+from rwmf.sweeps.executors import open_executor
 from scenes import coupled
 
 CASE_SOLVER = {"method": "dop853", "rtol": 1e-6, "t_end": 4.0}

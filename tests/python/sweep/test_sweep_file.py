@@ -51,7 +51,7 @@ def test_names_that_are_no_utf8(folder: Path, monkeypatch: pytest.MonkeyPatch) -
     assert cli.main(["sweep", "s.nml", "--out", record + ".nc"]) == 0
     with xr.open_dataset(record + ".nc", engine="h5netcdf") as found:
         assert found["record"].values.tolist() == ["r\\udce9"]
-    words = ["study", "wall", "case.nml", "--T_s", "1", "--out", "w.nc", "--plot", record + ".png"]
+    words = ["study", "wall", "case.nml", "--T_s", "1", "--out", "w.nc", "--out", record + ".png"]
     assert cli.main(words) == 0
     xr.testing.assert_identical(
         rwmf.sweep(case, {"T_s": [1.0]}), rwmf.sweep(case, {"T_s": [1.0]}, file="x.nc").load()

@@ -15,8 +15,8 @@ import pytest
 import rwmf
 import xarray as xr
 from checkout import Runner
-from rwmf._sweep import merge
 from rwmf.errors import InputError
+from rwmf.sweeps.computation import merge
 from scenes import coupled
 
 pytest.importorskip("h5py")

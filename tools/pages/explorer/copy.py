@@ -13,14 +13,20 @@ from pathlib import Path
 from typing import Any
 
 import rwmf
-from rwmf._explore.model import Model, start
-from rwmf._explore.presets import PRESETS, Preset, case_of_preset
-from rwmf._explore.questions import BadQuestionError, Question, given
 from rwmf.errors import RwmfError
+from rwmf.explorer.model import Model, start
+from rwmf.explorer.questions import (
+    PRESETS,
+    BadQuestionError,
+    Preset,
+    Question,
+    case_of_preset,
+    given,
+)
 
 __all__ = ["bundle", "write"]
 
-_PAGE = Path(rwmf.__file__).parent / "_explore" / "page"
+_PAGE = Path(rwmf.__file__).parent / "explorer" / "page"
 _STORED = Path(__file__).with_name("stored.js")
 # examples, the first one at the opening, and the quantities of their spectra; '' for the default
 _SHOWN = {

@@ -264,8 +264,8 @@ contains
                else
                   before = lane%recorder%forces%largest_demand
                   call search_state(lane%recorder%forces, lane%equation, t, y, rates, q)
-                  if (q == low_normal .or. q == shear .or. lane%equation%parts%has_shear_key) &
-                     before = huge(before)
+                  if (any(q == [low_normal, shear])) before = huge(before)
+                  if (lane%equation%parts%has_shear_key) before = huge(before)
                end if
             end associate
             call load_demands(lane, i, batch)

@@ -1,1 +1,0 @@
-"""Demands over the limits of a case."""

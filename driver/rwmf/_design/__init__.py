@@ -1,1 +1,0 @@
-"""Cheapest designs that meet targets over a suite."""

@@ -1,1 +1,0 @@
-"""Files and streams: written completely or not at all, never over an input."""

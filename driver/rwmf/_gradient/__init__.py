@@ -1,1 +1,0 @@
-"""Derivatives of results with respect to the numbers of a case."""

@@ -1,0 +1,1 @@
+"""From results to decisions: risk, gradients, design, cost, studies."""

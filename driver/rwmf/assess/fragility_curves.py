@@ -1,0 +1,629 @@
+"""Fragility curves of one or several designs, with bootstrap bands and margins."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf.assess.fits import (
+    BELOW,
+    EXACT,
+    OVER,
+    Fit,
+    exceedance,
+    fit_capacities,
+    fit_cloud,
+    fit_counts,
+)
+from rwmf.assess.loss import shape_factor_of
+from rwmf.assess.table import fallen, quantities_of, read_table, warnings_of
+from rwmf.case.arguments import checked, texts_of
+from rwmf.errors import InputError
+from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
+
+Array = npt.NDArray[np.float64]
+METHODS = ("counts", "capacities", "cloud")
+_OF_ANALYSIS = {"ida": "capacities", "stripes": "counts", "cloud": "cloud"}
+COLLAPSE = "collapse"
+_RESAMPLES = 1000
+_CONFIDENCE = 0.95
+# a median this many times beyond the levels is extrapolated
+_FAR = 1.5
+# a dispersion above this is no property of a structure [-]
+_WIDE = 2.0
+# positions of curves without given levels
+_POSITIONS = 41
+
+
+@dataclass(frozen=True)
+class _Question:
+    """Limit of a demand, and options of the fit.
+
+    Attributes
+    ----------
+    method : str
+        ``counts``, ``capacities`` or ``cloud``.
+    quantity : str
+        Demand, or ``collapse``.
+    limit : float
+        Limit in the quantity's unit; NaN for collapse.
+    resamples : int
+        Bootstrap resamples.
+    seed : int
+        Seed of their random numbers.
+    """
+
+    method: str
+    quantity: str
+    limit: float
+    resamples: int
+    seed: int
+
+    @property
+    def label(self) -> str:
+        """Condition in words."""
+        return COLLAPSE if self.quantity == COLLAPSE else f"{self.quantity} > {self.limit:g}"
+
+    def exceeded(self, table: xr.Dataset) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+        """Find the runs that exceed the limit, and those with a result."""
+        down = fallen(table)
+        if self.quantity == COLLAPSE:
+            return down, down | (table["status"].values.astype(str) == "ok")
+        values = table[self.quantity].values
+        return down | (values > self.limit), down | ~np.isnan(values)
+
+
+@checked
+def fragility(
+    table: Any = None,  # noqa: ANN401 (several forms)
+    limit: float | None = None,
+    quantities: str | Sequence[str] | None = None,
+    *,
+    levels: Sequence[float] | None = None,
+    exceeded: Sequence[int] | None = None,
+    runs: int | Sequence[int] | None = None,
+    method: str | None = None,
+    dispersions: float | Sequence[float] = (),
+    mce: float | None = None,
+    shape_factor: float | tuple[float, float, str] | None = None,
+    resamples: int = _RESAMPLES,
+    confidence: float = _CONFIDENCE,
+    seed: int = 0,
+) -> xr.Dataset:
+    """Fit lognormal fragility curves: median and dispersion of the capacity, with bands.
+
+    Parameters
+    ----------
+    table : xarray.Dataset, path, mapping or list, optional
+        Table of `rwmf.ida`, `rwmf.stripes` or `rwmf.cloud`, its file, or several of them. A table
+        of another program needs the columns ``intensity``, a demand and ``status``. A table
+        with ``intensity``, ``exceeded`` and ``runs`` holds counts.
+    limit : float, optional
+        Limit of the demand in its unit; overturned and collapsed runs exceed every limit. Without
+        it the curve is that of collapse or overturning.
+    quantities : str, optional
+        The demand; optional for a table with one demand.
+    levels, exceeded, runs : array_like, shape (n,)
+        Counts instead of a table: intensities, runs that exceed the limit, and all runs (one number
+        for all levels).
+    method : str, optional
+        ``counts``: maximum likelihood of the counts at each intensity (Baker 2015).
+        ``capacities``: intensities at which the records reach the limit; others are censored.
+        ``cloud``: power law of the intensity, with collapsed runs censored.
+        The default follows the analysis: counts for stripes, capacities for an incremental dynamic
+        analysis, cloud for a cloud with a limit.
+    dispersions : float or sequence of float
+        Further dispersions [-], combined by the root of the sum of squares.
+    mce : float, optional
+        Intensity of the maximum considered earthquake, for the margin ratio.
+    shape_factor : float or (period, ductility, category), optional
+        Spectral shape factor [-] of FEMA P-695. A tuple has the arguments of its table for the
+        far-field set: period [s], ductility [-] and category (B, C, Dmin, Dmax).
+    resamples : int
+        Bootstrap resamples of the records for the bands, 0 for none.
+    confidence : float
+        Probability of the bands [-].
+    seed : int
+        Seed of the resamples.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``design`` if there are several: ``median`` [g], ``dispersion`` of the records and
+        ``dispersion_total`` [-], their bands over ``quantile``, and values of all resamples. Over
+        ``intensity``: ``fraction`` counted, ``exceeded``, ``runs``, ``fitted`` and
+        ``fitted_band``. With ``mce``: ``margin_ratio``, ``probability_at_mce`` and, with a shape
+        factor, both adjusted.
+
+    Raises
+    ------
+    InputError
+        When an argument is not acceptable, or when no run or every run exceeds the limit, so that
+        no fit exists.
+    """
+    options = _options(confidence, dispersions)
+    if levels is not None or exceeded is not None:
+        if table is not None:
+            raise InputError("fragility: takes a table, or levels with exceeded and runs, not both")
+        table = {"intensity": levels, "exceeded": exceeded, "runs": runs}
+    if table is None:
+        raise InputError("fragility: needs a table, or levels with exceeded and runs")
+    rows = _rows_of(table)
+    resamples, seed = to_whole("resamples", resamples, 0, 10**6), to_whole("seed", seed, 0)
+    question = _question(rows, limit, quantities, method, resamples, seed)
+    names = list(dict.fromkeys(rows["design"].values.tolist()))
+    parts = []
+    notes: list[str] = []
+    for name in names:
+        own = rows.isel(row=np.flatnonzero(rows["design"].values == name))
+        label = f"fragility{f' of {name}' if len(names) > 1 else ''}"
+        part, lines = _one(own, question, options, label)
+        parts.append(part)
+        notes += [f"{name}: {line}" if len(names) > 1 else line for line in lines]
+    found = _together(parts, names)
+    found = _with_margins(found, mce, shape_factor)
+    kept = ("version", "cases", "records", "analysis")
+    attrs = {
+        key: value
+        for key, value in rows.attrs.items()
+        if key in kept or key.startswith("intensity")
+    }
+    found.attrs = attrs | {
+        "quantity": question.quantity,
+        "method": question.method,
+        "confidence": options["confidence"],
+        "seed": seed,
+        "warnings": "\n".join([*warnings_of(rows), *notes]),
+    }
+    return found.squeeze("design") if len(names) == 1 else found
+
+
+def _options(confidence: float, dispersions: float | Sequence[float]) -> dict[str, Any]:
+    confidence = to_number("confidence", confidence, above=0.0, below=1.0)
+    items = to_items(dispersions)
+    further = to_array("dispersions", [dispersions] if items is None else items)
+    if (further < 0).any():
+        raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
+    return {"confidence": confidence, "further": math.hypot(*further)}
+
+
+def _rows_of(table: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
+    """Read a table; the counts of one become columns of whole numbers."""
+    if isinstance(table, Mapping) and set(table) == {"intensity", "exceeded", "runs"}:
+        lacking = [name for name, values in table.items() if values is None]
+        if lacking:
+            word = {"intensity": "levels"}.get(lacking[0], lacking[0])
+            raise InputError(f"fragility: {word}: is missing: counts have levels, exceeded, runs")
+        x = to_array("levels", table["intensity"], above=0.0, least=1)
+        counts = {word: to_array(word, table[word], least=1) for word in ("exceeded", "runs")}
+        if counts["runs"].size == 1:
+            counts["runs"] = np.full(x.size, counts["runs"][0])
+        for word, values in counts.items():
+            if values.size != x.size:
+                raise InputError(f"fragility: {word}: has {values.size} values, levels {x.size}")
+        table = {"intensity": x} | counts
+    rows = read_table(table)
+    if "exceeded" in rows:
+        if "runs" not in rows:
+            raise InputError("fragility: the table has exceeded, but no column runs")
+        k, n = rows["exceeded"].values, rows["runs"].values
+        wrong = ~((k >= 0) & (k <= n) & (n >= 1) & (k == np.floor(k)) & (n == np.floor(n)))
+        if wrong.any():
+            i = int(np.argmax(wrong))
+            raise InputError(
+                f"fragility: exceeded = {k[i]:g} of runs = {n[i]:g} at intensity "
+                f"{rows['intensity'].values[i]:g}: must be whole numbers with "
+                "0 <= exceeded <= runs, runs >= 1"
+            )
+    return rows
+
+
+def _question(
+    rows: xr.Dataset,
+    limit: float | None,
+    quantities: str | Sequence[str] | None,
+    method: str | None,
+    resamples: int,
+    seed: int,
+) -> _Question:
+    if method is not None and not (isinstance(method, str) and method in METHODS):
+        raise InputError(f"method = {show(method)}: must be one of {', '.join(METHODS)}")
+    if "exceeded" in rows:
+        if limit is not None or method not in (None, "counts"):
+            raise InputError("fragility: counts take no limit and no other method")
+        return _Question("counts", COLLAPSE, math.nan, resamples, seed)
+    quantity = COLLAPSE
+    if limit is not None or quantities:
+        if limit is None:
+            raise InputError("fragility: limit: is missing: the limit of the quantity")
+        limit = to_number("limit", limit)
+        quantity = _quantity(rows, quantities)
+    usual = _OF_ANALYSIS.get(str(rows.attrs.get("analysis")), "counts")
+    if quantity == COLLAPSE and "cloud" in (method or usual):
+        if method == "cloud":
+            raise InputError("fragility: the method cloud needs a limit of a demand")
+        usual = "counts"
+    return _Question(
+        method or usual, quantity, math.nan if limit is None else limit, resamples, seed
+    )
+
+
+def _quantity(rows: xr.Dataset, quantities: str | Sequence[str] | None) -> str:
+    known = quantities_of(rows)
+    if quantities is None:
+        if len(known) != 1:
+            raise InputError(f"fragility: quantities: must be one of {', '.join(known) or 'none'}")
+        return known[0]
+    names = texts_of("quantities", quantities)
+    if len(names) != 1:
+        raise InputError(f"fragility: quantities = {', '.join(names)}: must be one quantity")
+    if names[0] not in known:
+        raise InputError(
+            f"fragility: {names[0]}: is not in the table, which has {', '.join(known) or 'none'}"
+        )
+    return names[0]
+
+
+def _one(
+    rows: xr.Dataset, question: _Question, options: Mapping[str, Any], label: str
+) -> tuple[xr.Dataset, list[str]]:
+    """Fit one design."""
+    sample = {"counts": _counts, "capacities": _capacities, "cloud": _cloud}[question.method]
+    _check_some(rows, question, label)
+    points, fit, resampled = sample(rows, question, label)
+    median, dispersion = float(fit.median[0]), float(fit.dispersion[0])
+    notes = _notes(median, dispersion, points, rows)
+    total = math.hypot(dispersion, options["further"])
+    unit = {"units": str(rows["intensity"].attrs.get("units", "g"))}
+    one = {"units": "1"}
+    found = xr.Dataset(
+        {
+            "median": ((), median, unit),
+            "dispersion": ((), dispersion, one),
+            "dispersion_total": ((), total, one),
+            "limit": ((), question.limit, _unit(rows, question)),
+            "fitted": ("intensity", exceedance(points["x"], median, total), one),
+        },
+        coords={"intensity": ("intensity", points["x"], unit)},
+    )
+    if fit.slope is not None and fit.scatter is not None:
+        found["demand_slope"], found["demand_dispersion"] = (
+            float(fit.slope[0]),
+            float(fit.scatter[0]),
+        )
+    if "exceeded" in points:
+        with np.errstate(invalid="ignore"):
+            share = points["exceeded"] / points["runs"]
+        found = found.assign(
+            exceeded=("intensity", points["exceeded"]),
+            runs=("intensity", points["runs"]),
+            fraction=("intensity", share, one),
+        )
+    if "capacity" in points:
+        found = found.assign(capacity=("record", points["capacity"], unit)).assign_coords(
+            record=("record", points["record"])
+        )
+    if resampled is not None:
+        found = _with_bands(found, resampled, options, question.resamples, notes)
+    return found, notes
+
+
+def _unit(rows: xr.Dataset, question: _Question) -> dict[str, str]:
+    attrs = {} if question.quantity == COLLAPSE else rows[question.quantity].attrs
+    return {"units": str(attrs.get("units", "1"))}
+
+
+def _with_bands(
+    found: xr.Dataset, fit: Fit, options: Mapping[str, Any], n: int, notes: list[str]
+) -> xr.Dataset:
+    """Add quantiles of the resamples by rank, in which infinite medians count."""
+    tail = 0.5 * (1 - options["confidence"])
+    tails = [tail, 1 - tail]
+    usable = ~np.isnan(fit.median)
+    lost = n - int(usable.sum())
+    if lost:
+        notes.append(f"{lost} of {n} resamples have no growing curve and are left out of the bands")
+    total = np.hypot(fit.dispersion, options["further"])
+    x = found["intensity"].values
+    with np.errstate(invalid="ignore"):
+        curves = exceedance(x[:, None], fit.median[None, usable], total[None, usable])
+    # an infinite median never fails, one of 0 always
+    curves[:, np.isinf(fit.median[usable])] = 0.0
+    curves[:, fit.median[usable] == 0] = 1.0
+
+    def band(values: Array) -> Array:
+        kept = values[..., ~np.isnan(values).reshape(-1, values.shape[-1]).any(axis=0)]
+        if not kept.shape[-1]:
+            return np.full((*values.shape[:-1], 2), math.nan)
+        return np.moveaxis(np.quantile(kept, tails, axis=-1, method="inverted_cdf"), 0, -1)
+
+    one = {"units": "1"}
+    return found.assign(
+        median_band=("quantile", band(fit.median), found["median"].attrs),
+        dispersion_band=("quantile", band(fit.dispersion), one),
+        fitted_band=(("intensity", "quantile"), band(curves), one),
+        median_resampled=("resample", fit.median),
+        dispersion_resampled=("resample", fit.dispersion),
+    ).assign_coords(quantile=("quantile", tails))
+
+
+def _check_some(rows: xr.Dataset, question: _Question, label: str) -> None:
+    """Refuse a limit that no run or every run exceeds."""
+    x = rows["intensity"].values
+    if "exceeded" in rows:
+        none, every = not rows["exceeded"].any(), bool((rows["exceeded"] == rows["runs"]).all())
+        smallest = largest = ""
+    else:
+        over, known = question.exceeded(rows)
+        if not known.any():
+            raise InputError(f"{label}: {question.label}: no run has a result")
+        none, every = not over[known].any(), bool(over[known].all())
+        values = None if question.quantity == COLLAPSE else rows[question.quantity].values[known]
+        smallest, largest = (
+            ("", "")
+            if values is None
+            else (
+                f": the smallest {question.quantity} is {values.min():.6g}, "
+                f"the limit {question.limit:g}",
+                f": the largest {question.quantity} is {values.max():.6g}, "
+                f"the limit {question.limit:g}",
+            )
+        )
+    if question.method == "cloud":
+        return
+    failure = "collapses" if question.quantity == COLLAPSE else "exceeds the limit"
+    if none:
+        raise InputError(
+            f"{label}: no run {failure}{largest}: the median is above the highest intensity "
+            f"{x.max():g}: give higher levels or a lower limit"
+        )
+    if every:
+        raise InputError(
+            f"{label}: every run {failure}{smallest}: the median is below the lowest intensity "
+            f"{x.min():g}: give lower levels or a higher limit"
+        )
+
+
+def _notes(
+    median: float, dispersion: float, points: Mapping[str, Any], rows: xr.Dataset
+) -> list[str]:
+    """Return the warnings about a fit."""
+    is_counted = "exceeded" in points and "capacity" not in points
+    x = points["x"] if is_counted else rows["intensity"].values
+    low, high = float(x.min()), float(x.max())
+    notes = []
+    if not low / _FAR <= median <= _FAR * high:
+        side = f"above the highest intensity {high:.4g}"
+        side = side if median > high else f"below the lowest intensity {low:.4g}"
+        notes.append(f"the median {median:.4g} is extrapolated far {side}: give more levels")
+    if dispersion > _WIDE:
+        notes.append(f"the dispersion {dispersion:.4g} is large: the probability hardly grows")
+    keys = zip(*(rows[word].values.tolist() for word in ("record", "intensity")), strict=True)
+    repeated = rows.sizes["row"] - len(set(keys))
+    if repeated:
+        notes.append(f"{repeated} rows repeat record and intensity of others; all are counted")
+    down, statuses = fallen(rows), rows["status"].values.astype(str)
+    failed = sorted(set(statuses[~down].tolist()) - {"ok"})
+    if failed:
+        lost = int(np.isin(statuses, failed).sum())
+        notes.append(f"{lost} of {statuses.size} runs failed ({', '.join(failed)})")
+    if dispersion > 0:
+        return notes
+    if not is_counted:
+        return [*notes, "all capacities are equal: the dispersion is 0"]
+    k, n = points["exceeded"], points["runs"]
+    low, high = float(x[k == 0].max()), float(x[k == n].min())
+    return [
+        *notes,
+        f"the counts step from none to all between {low:g} and {high:g}: the median lies there, "
+        "and the dispersion is 0 for want of levels between",
+    ]
+
+
+def _resample(question: _Question, names: npt.NDArray[Any]) -> Array:
+    """Return the multiplicity of each record in each resample; the first is the sample itself."""
+    n = np.unique(names).size
+    chance = np.random.default_rng(question.seed)
+    drawn = chance.multinomial(n, np.full(n, 1 / n), size=question.resamples)
+    return np.vstack([np.ones((1, n)), drawn.astype(float)])
+
+
+def _split(fit: Fit) -> tuple[Fit, Fit | None]:
+    """Separate the sample from its resamples."""
+    parts = [fit.median, fit.dispersion, fit.slope, fit.scatter]
+    first = Fit(*(None if part is None else part[:1] for part in parts))  # type: ignore[arg-type]
+    if len(fit.median) == 1:
+        return first, None
+    return first, Fit(*(None if part is None else part[1:] for part in parts))  # type: ignore[arg-type]
+
+
+def _counts(
+    rows: xr.Dataset, question: _Question, label: str
+) -> tuple[dict[str, Any], Fit, Fit | None]:
+    """Fit the counts at each intensity; resamples draw records, or binomial counts without any."""
+    x, which = np.unique(rows["intensity"].values, return_inverse=True)
+    if x.size < 2:
+        raise InputError(f"{label}: the counts are at one intensity, {x[0]:g}: give at least two")
+    if "exceeded" in rows:
+        k = np.bincount(which, rows["exceeded"].values)
+        n = np.bincount(which, rows["runs"].values).astype(float)
+        chance = np.random.default_rng(question.seed)
+        drawn = chance.binomial(n.astype(int), k / n, size=(question.resamples, x.size))
+        exceeded = np.vstack([k, drawn.astype(float)])
+        runs = np.broadcast_to(n, exceeded.shape)
+    else:
+        over, known = question.exceeded(rows)
+        # the levels of a search for capacities belong to single records
+        known &= np.isin(which, np.searchsorted(x, rows.attrs.get("levels", x)))
+        names, record = np.unique(rows["record"].values.astype(str), return_inverse=True)
+        place = record * x.size + which
+        shape = (names.size, x.size)
+        counted = [
+            np.bincount(place[chosen], minlength=names.size * x.size).reshape(shape).astype(float)
+            for chosen in (known & over, known)
+        ]
+        multiplicity = _resample(question, names)
+        exceeded, runs = (multiplicity @ counts for counts in counted)
+    used = runs[0] > 0
+    x, exceeded, runs = x[used], exceeded[:, used], runs[:, used]
+    fit, resampled = _split(fit_counts(x, exceeded, runs))
+    counts = ", ".join(f"{a:g} of {b:g}" for a, b in zip(exceeded[0], runs[0], strict=True))
+    if math.isnan(fit.median[0]):
+        raise InputError(
+            f"{label}: {question.label}: the probability does not grow with the intensity "
+            f"({counts})"
+        )
+    ends = {0.0: "below the lowest", x[0]: "at the lowest", x[-1]: "at the highest",
+            math.inf: "above the highest"}  # fmt: skip
+    median = float(fit.median[0])
+    if median in (0.0, math.inf) or (fit.dispersion[0] == 0 and median in (x[0], x[-1])):
+        side = ends[median]
+        level = x[0] if side.endswith("lowest") else x[-1]
+        raise InputError(
+            f"{label}: {question.label}: no finite fit exists ({counts}): the median lies {side} "
+            f"intensity {level:g}: give more levels there"
+        )
+    points = {"x": x, "exceeded": exceeded[0].astype(int), "runs": runs[0].astype(int)}
+    return points, fit, resampled
+
+
+def _capacities(
+    rows: xr.Dataset, question: _Question, label: str
+) -> tuple[dict[str, Any], Fit, Fit | None]:
+    """Fit the intensities at which the records reach the limit."""
+    over, known = question.exceeded(rows)
+    names = list(dict.fromkeys(rows["record"].values.tolist()))
+    demands = None if question.quantity == COLLAPSE else rows[question.quantity].values
+    found = []
+    for name in names:
+        own = np.flatnonzero((rows["record"].values == name) & known)
+        if own.size:
+            own = own[np.argsort(rows["intensity"].values[own], kind="stable")]
+            down = fallen(rows)[own]
+            values = None if demands is None else np.where(down, math.inf, demands[own])
+            found.append((name, *_capacity(rows["intensity"].values[own], over[own], values,
+                                           question.limit)))  # fmt: skip
+    if len(found) < 2:
+        raise InputError(
+            f"{label}: has {len(found)} record: a dispersion needs at least 2; or take the method "
+            "counts"
+        )
+    kept, logarithms, kinds = (np.array(item) for item in zip(*found, strict=True))
+    fit, resampled = _split(fit_capacities(logarithms, kinds, _resample(question, kept)))
+    if not 0 < fit.median[0] < math.inf:
+        side = "below their lowest" if fit.median[0] == 0 else "above their highest"
+        raise InputError(f"{label}: {question.label}: every capacity is {side} level")
+    capacity = np.exp(logarithms)
+    capacity = np.where(kinds == OVER, math.inf, np.where(kinds == BELOW, 0.0, capacity))
+    points = _points(rows, question) | {"capacity": capacity, "record": kept.astype(object)}
+    return points, fit, resampled
+
+
+def _capacity(
+    x: Array, over: npt.NDArray[np.bool_], demands: Array | None, limit: float
+) -> tuple[float, int]:
+    """Return the logarithm of a record's capacity, or of its bound, and the kind of both."""
+    if not over.any():
+        return math.log(x[-1]), OVER
+    i = int(np.argmax(over))
+    if i == 0:
+        return math.log(x[0]), BELOW
+    low, high = math.log(x[i - 1]), math.log(x[i])
+    share = 0.5
+    if demands is not None and math.isfinite(demands[i]) and demands[i - 1] > 0:
+        a, b = math.log(demands[i - 1]), math.log(demands[i])
+        share = (math.log(limit) - a) / (b - a)
+    return low + share * (high - low), EXACT
+
+
+def _points(rows: xr.Dataset, question: _Question) -> dict[str, Any]:
+    """Return positions of the curve: the levels of all records with their counts, or a range."""
+    values = rows["intensity"].values
+    levels = rows.attrs.get("levels")
+    if levels is None:
+        return {"x": np.geomspace(values.min(), values.max(), _POSITIONS)}
+    x = np.atleast_1d(np.asarray(levels, dtype=float))
+    over, known = question.exceeded(rows)
+    return {
+        "x": x,
+        "exceeded": np.array([np.sum((values == level) & over & known) for level in x]),
+        "runs": np.array([np.sum((values == level) & known) for level in x]),
+    }
+
+
+def _cloud(
+    rows: xr.Dataset, question: _Question, label: str
+) -> tuple[dict[str, Any], Fit, Fit | None]:
+    """Fit a power law; the demand of a collapsed run lies above the limit and above its maximum."""
+    _, known = question.exceeded(rows)
+    demands = rows[question.quantity].values
+    down = fallen(rows) | np.isposinf(demands)
+    if question.limit <= 0:
+        raise InputError(f"{label}: limit = {question.limit:g}: must be > 0 in a cloud")
+    bound = np.where(np.isfinite(demands), np.fmax(demands, question.limit), question.limit)
+    y = np.where(down, bound, demands)
+    used = known & (y > 0)
+    x = np.log(rows["intensity"].values[used])
+    exact = ~down[used]
+    if np.unique(x[exact]).size < 3:
+        raise InputError(
+            f"{label}: {question.label}: has {np.unique(x[exact]).size} different intensities "
+            "without collapse: a cloud needs at least 3"
+        )
+    names, record = np.unique(rows["record"].values.astype(str)[used], return_inverse=True)
+    weights = _resample(question, names)[:, record]
+    kinds = np.where(exact, EXACT, OVER)
+    fit = fit_cloud(x, np.log(y[used]), kinds, weights, math.log(question.limit))
+    first, resampled = _split(fit)
+    if not 0 < first.median[0] < math.inf:
+        raise InputError(f"{label}: {question.quantity}: does not grow with the intensity")
+    values = np.exp(x)
+    return {"x": np.geomspace(values.min(), values.max(), _POSITIONS)}, first, resampled
+
+
+def _together(parts: list[xr.Dataset], names: list[str]) -> xr.Dataset:
+    """Join the designs over one dimension."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = xr.concat(parts, dim="design", join="outer", data_vars="all", coords="minimal",
+                          compat="override")  # fmt: skip
+    found = found.assign_coords(design=("design", np.array(names, dtype=object)))
+    if len(parts) > 1:
+        # curves of all designs at all positions
+        x = found["intensity"].values
+        median, total = found["median"].values[:, None], found["dispersion_total"].values[:, None]
+        found["fitted"] = (("design", "intensity"), exceedance(x, median, total), {"units": "1"})
+    return found
+
+
+def _with_margins(
+    found: xr.Dataset, mce: float | None, shape_factor: float | tuple[float, float, str] | None
+) -> xr.Dataset:
+    """Add the margin ratio over the maximum considered earthquake, and its adjustment."""
+    if mce is None:
+        if shape_factor is not None:
+            raise InputError("shape_factor: needs mce, whose margin ratio it adjusts")
+        return found
+    level = to_number("mce", mce, above=0.0)
+    median, total = found["median"].values, found["dispersion_total"].values
+    one = {"units": "1"}
+    found = found.assign(
+        mce=((), level, found["median"].attrs),
+        margin_ratio=("design", median / level, one),
+        probability_at_mce=("design", exceedance(level, median, total), one),
+    )
+    if shape_factor is None:
+        return found
+    factor = shape_factor_of(shape_factor)
+    return found.assign(
+        shape_factor=((), factor, one),
+        margin_ratio_adjusted=("design", factor * median / level, one),
+        probability_at_mce_adjusted=("design", exceedance(level, factor * median, total), one),
+    )

@@ -1,0 +1,523 @@
+"""Runs of a gradient in the lanes of one sweep: scenes, steps between them, statistics."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf.assess.held_keys import (
+    FAR,
+    LANES,
+    NEAR,
+    Estimate,
+    Parameter,
+    allowed_changes,
+    changed_entries,
+    derivative_at,
+    is_given,
+    offsets_of,
+    resolution,
+    scale_of,
+    valid_range,
+    value_of,
+)
+from rwmf.case import Case, Motion
+from rwmf.errors import InputError
+from rwmf.kernel.numbers import float_of, show
+from rwmf.motion.record_sets import RecordFile, find_records
+from rwmf.run.quantities import ENDINGS, find_quantities, refuse_missing
+from rwmf.sweeps.axes import Axis, Scene, grid_axis, key_of_column, name_axes, record_axis
+from rwmf.sweeps.computation import sweep
+from rwmf.sweeps.points import Points, point_axis
+
+RECORD = "record"
+
+
+class Scenes:
+    """Cases between which parameters do not change.
+
+    Attributes
+    ----------
+    case : Case
+        The case without its `&spectrum`.
+    sizes : dict of str to int
+        Sizes of the dimensions, slowest first.
+    rows : list of dict
+        Values by columns of a table, one dictionary a scene.
+    columns : list of str
+        The columns.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        points: Points | None,
+        grid: Mapping[str, object] | None,
+        records: Sequence[str | os.PathLike[str] | RecordFile | Motion],
+        unit: str | None,
+        dt: float | None,
+    ) -> None:
+        self.case = case.without("spectrum") if "spectrum" in case.groups else case
+        known = find_records(records, unit=unit, dt=dt) if len(records) else ()
+        table = None if points is None else point_axis(points, known, unit, dt)
+        named = table is not None and any(scene.record for scene in table.scenes)
+        axes = [record_axis(known)] if len(known) and not named else []
+        axes += [] if table is None else [table]
+        axes += [grid_axis(name, values) for name, values in name_axes(grid or {}).items()]
+        self._axes: list[Axis] = axes
+        self.sizes = {axis.name: axis.size for axis in axes}
+        keys = [key for axis in axes for key in axis.keys]
+        twice = [key for key in keys if keys.count(key) > 1]
+        if twice:
+            raise InputError(f"grid and points: both set {'.'.join(twice[0])}")
+        places = itertools.product(*(range(axis.size) for axis in axes))
+        self.rows = [self._row(place) for place in places]
+        self.columns = list(self.rows[0])
+        self._cases: dict[int, Case] = {}
+
+    def _row(self, place: tuple[int, ...]) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for axis, position in zip(self._axes, place, strict=True):
+            scene: Scene = axis.scene(position)
+            if scene.record is not None:
+                found[RECORD] = scene.record
+            found |= {".".join(key): value for key, value in scene.settings}
+            for name, values in axis.columns.items():
+                found[name] = float(values[position])
+        return found
+
+    def case_of(self, number: int) -> Case:
+        """Return the case of a row, with the motion of the common case."""
+        if number not in self._cases:
+            changes: dict[str, dict[str, object]] = {}
+            for column, value in self.rows[number].items():
+                group, key = key_of_column(column)
+                scales = column in ("T_s", "gamma") and "storeys" in self.case.groups
+                if column not in (RECORD, "scale") and not scales:
+                    changes.setdefault(group, {})[key] = value
+            self._cases[number] = self.case.replace(**changes) if changes else self.case
+        return self._cases[number]
+
+    def coordinates(self) -> dict[str, xr.DataArray]:
+        """Label the dimensions."""
+        return {
+            item.name: xr.DataArray(
+                np.asarray(
+                    item.values
+                    if isinstance(item.values, np.ndarray)
+                    else [item.values[k] for k in axis.scene_of.tolist()]
+                ),
+                dims=item.dimension,
+                attrs={"units": item.unit, "long_name": item.meaning}
+                if item.unit
+                else {"long_name": item.meaning},
+            )
+            for axis in self._axes
+            for item in axis.coordinates
+        }
+
+    def index_of(self, name: str) -> int:
+        """Return the position of a dimension."""
+        if name not in self.sizes:
+            raise InputError(f"statistic: there is no dimension {name}: give records=[...]")
+        return list(self.sizes).index(name)
+
+
+Array = npt.NDArray[np.float64]
+_RTOL = "solver.rtol"
+
+
+@dataclass(frozen=True)
+class Request:
+    """A run.
+
+    Attributes
+    ----------
+    row : int
+        Number of the scene.
+    parameter : int
+        Number of the parameter that changes; -1 for none.
+    value : float
+        Its value; for a whole list the mean.
+    rtol : float
+        Relative tolerance [-].
+    """
+
+    row: int
+    parameter: int
+    value: float
+    rtol: float
+
+
+class Lanes:
+    """Runs with one changed parameter each.
+
+    Attributes
+    ----------
+    values : numpy.ndarray, shape (rows, parameters)
+        Values of the parameters; means of whole lists.
+    n_quantities : int
+        Number of quantities.
+    runs : int
+        Number of runs so far.
+    """
+
+    def __init__(
+        self,
+        scenes: Scenes,
+        parameters: Sequence[Parameter],
+        quantities: Sequence[str],
+        threads: int,
+    ) -> None:
+        self.runs = 0
+        self._parameters = parameters
+        self._names = [next(iter(find_quantities((name,)))) for name in quantities]
+        self.n_quantities = len(self._names)
+        self._threads = threads
+        numbers = {"rtol": 1e-9, "atol": None, "accuracy": None}
+        self._case = scenes.case.replace(solver=numbers)
+        self._rows = [dict(row) for row in scenes.rows]
+        self.values = np.empty((len(self._rows), len(parameters)))
+        # the other keys of a parameter without a column follow it, such as eta_alpha after eta_0
+        self._has_column = [
+            item.column in scenes.columns or (is_given(scenes.case, item) and not item.is_list)
+            for item in parameters
+        ]
+        for number, row in enumerate(self._rows):
+            case = scenes.case_of(number)
+            for i, item in enumerate(parameters):
+                if item.column in row:
+                    self.values[number, i] = row[item.column]
+                    continue
+                found = value_of(case, item)
+                chosen = found[item.element - 1] if item.element else found.mean()
+                self.values[number, i] = chosen
+                if self._has_column[i]:
+                    row[item.column] = float(chosen)
+        self._scenes = scenes
+
+    def run(self, requests: Sequence[Request]) -> tuple[Array, npt.NDArray[np.bool_]]:
+        """Compute runs."""
+        self.runs += len(requests)
+        values = np.full((len(requests), len(self._names)), np.nan)
+        fallen = np.zeros(len(requests), dtype=bool)
+        # a column has one number a row: each change of a list needs another sweep. A default
+        # that follows other keys has no column where these change
+        groups: dict[tuple[int, float], list[int]] = {}
+        for place, request in enumerate(requests):
+            number = request.parameter
+            label = (-1, 0.0)
+            if number >= 0 and not self._has_column[number]:
+                is_list = self._parameters[number].is_list
+                label = (number, request.value if is_list else 0.0)
+            groups.setdefault(label, []).append(place)
+        for (number, value), places in groups.items():
+            case = self._case
+            if number >= 0 and self._parameters[number].is_list:
+                item = self._parameters[number]
+                case = case.replace(**changed_entries(case, item, value))
+            table = self._table([requests[place] for place in places])
+            found = sweep(case, points=table, quantities=self._names, threads=self._threads)
+            refuse_missing(found, self._names, "quantities")
+            for i, name in enumerate(self._names):
+                values[places, i] = found[name].values
+            names = found["status"].attrs["flag_meanings"].split()
+            ends = [names.index(name) for name in ENDINGS if name in names]
+            fallen[places] = np.isin(found["status"].values, ends)
+        return values, fallen
+
+    def _table(self, requests: Sequence[Request]) -> dict[str, list[Any]]:
+        """Make the table of points of some runs."""
+        table: dict[str, list[Any]] = {}
+        for request in requests:
+            row = self._rows[request.row] | {_RTOL: request.rtol}
+            if request.parameter >= 0:
+                item = self._parameters[request.parameter]
+                if not item.is_list:
+                    row[item.column] = request.value
+            for name, value in row.items():
+                table.setdefault(name, []).append(value)
+        return table
+
+
+Statistic = float | Callable[[Array], float]
+# resampled suites, with a fixed seed so that results repeat
+_SUITES, _SEED = 200, 1963
+
+
+class SuiteStatistic:
+    """A statistic over dimensions of the scenes, of which the first are the records."""
+
+    def __init__(self, statistic: Statistic, axes: tuple[int, ...], sizes: tuple[int, ...]) -> None:
+        share = float_of(statistic)
+        if not callable(statistic) and not (share is not None and 0 <= share <= 1):
+            wanted = "a share in [0, 1] or a function of an array"
+            raise InputError(f"statistic = {show(statistic)}: must be {wanted}")
+        self._statistic = statistic
+        self._axes, self._sizes = axes, sizes
+
+    def of(self, values: Array) -> Array:
+        """Compute the statistic."""
+        return self._reduce(self._records_first(values))
+
+    def first(self, values: Array) -> Array:
+        """Return the values of the first record."""
+        known = self._records_first(values)
+        found: Array = known[(0,) * len(self._axes)]
+        return found
+
+    def of_resampled(self, values: Array) -> Iterator[Array]:
+        """Compute the statistic of suites drawn with replacement."""
+        known = self._records_first(values)
+        random = np.random.default_rng(_SEED)
+        for _ in range(_SUITES):
+            yield self._reduce(known[random.integers(0, len(known), len(known))])
+
+    def _records_first(self, values: Array) -> Array:
+        """Return the values over the dimensions of the statistic, cells, and the others."""
+        shaped = values.reshape((*self._sizes, *values.shape[1:]))
+        n = len(self._axes)
+        moved = np.moveaxis(shaped, self._axes, range(n))
+        return moved.reshape((*moved.shape[:n], -1, *values.shape[1:]))
+
+    def _reduce(self, values: Array) -> Array:
+        n = len(self._axes)
+        shape = values.shape[n:]
+        if callable(self._statistic):
+            columns = np.moveaxis(values.reshape((*values.shape[:n], -1)), -1, 0)
+            # lanes that were not run have no statistic
+            found = [
+                math.nan if np.isnan(column).any() else _number(self._statistic(column))
+                for column in columns
+            ]
+            return np.array(found, dtype=float).reshape(shape)
+        # by ranks; between two ranks their mean, so the median of an even suite is the usual one
+        flat = values.reshape((-1, *shape))
+        with np.errstate(invalid="ignore"):
+            ranked = np.quantile(flat, self._statistic, axis=0, method="averaged_inverted_cdf")
+        # a rank among collapses
+        return np.where(np.isnan(ranked) & ~np.isnan(flat).any(axis=0), np.inf, ranked)
+
+
+def _number(value: object) -> float:
+    """Return the result of a user's statistic."""
+    number = float_of(value)
+    if number is None:
+        raise InputError(f"statistic: returns {show(value)}: must be one number")
+    return number
+
+
+Truths = npt.NDArray[np.bool_]
+# factors on the steps, with the relative tolerances of their lanes: smaller steps follow only
+# where the differences disagree
+_LEVELS = ((1.0, 1e-9), (1.0, 1e-12), (0.1, 1e-13), (0.01, 1e-13), (1e-3, 1e-13))
+# ranks of a suite change with the steps, so a statistic has one set, ten times larger
+_OF_STATISTIC = ((5.0, 1e-9),)
+# disagreement over the largest p dq/dp above which smaller steps follow
+_SETTLED = 1e-9
+# error over disagreement: covers the truth in 99 % of runs
+_SAFETY = 3.0
+# error of a value over its tolerance, and round-off
+_OF_TOLERANCE, _ROUND_OFF = 3e-3, 2e-16
+# least error over the largest p dq/dp
+_LEAST = 3e-9
+# error over the derivative, and over the largest p dq/dp, above which there is no derivative
+_NO_DERIVATIVE, _NOTICED = 0.1, 1e-4
+# relative difference between jumps of one kink, and number of smaller steps that confirm it
+_SAME_JUMP, _CONFIRMED = 0.2, 2
+# change of a value over the largest p dq/dp that is left to the integration
+_UNSEEN = 1e-7
+
+
+class Steps:
+    """Derivatives of all quantities of all scenes with respect to all parameters.
+
+    Attributes
+    ----------
+    scales : numpy.ndarray, shape (rows, parameters)
+        Changes of the parameters that count as one.
+    value : numpy.ndarray, shape (cells, quantities)
+        The values.
+    derivative, error : numpy.ndarray, shape (cells, parameters, quantities)
+        Derivatives and their errors.
+    is_kink : numpy.ndarray of bool, shape (cells, parameters, quantities)
+        Where slopes differ, or no derivative is found.
+    valid_within : numpy.ndarray, shape (cells, parameters, quantities)
+        Largest relative changes for which the derivative holds.
+    bootstrap_error : numpy.ndarray, shape (cells, parameters, quantities), optional
+        Scatter of the derivative over resampled suites.
+    """
+
+    def __init__(
+        self,
+        scenes: Scenes,
+        lanes: Lanes,
+        parameters: Sequence[Parameter],
+        statistic: SuiteStatistic | None = None,
+    ) -> None:
+        self.bootstrap_error: Array | None = None
+        self._lanes = lanes
+        self._statistic = statistic
+        n_rows, n_parameters = lanes.values.shape
+        self.scales = np.empty((n_rows, n_parameters))
+        self._allowed: list[list[dict[bool, float]]] = []
+        known: dict[tuple[int, int], dict[bool, float]] = {}
+        for row in range(n_rows):
+            case = scenes.case_of(row)
+            for i, item in enumerate(parameters):
+                value = float(lanes.values[row, i])
+                self.scales[row, i] = scale = scale_of(item, value)
+                if (id(case), i) not in known or item.column in scenes.columns:
+                    known[id(case), i] = allowed_changes(case, item, value, scale)
+            self._allowed.append([known[id(case), i] for i in range(n_parameters)])
+        cells = n_rows if statistic is None else len(statistic.first(self.scales))
+        size = (cells, n_parameters, lanes.n_quantities)
+        self.value = np.full((cells, lanes.n_quantities), np.nan)
+        self.derivative, self.error = np.full(size, np.nan), np.full(size, np.inf)
+        self.is_kink: Truths = np.zeros(size, dtype=bool)
+        self.valid_within = np.zeros(size)
+        # last jump of the slopes, and smaller steps that confirm it
+        self._jump, self._smaller = np.zeros(size), np.zeros(size, dtype=int)
+        self._solve()
+
+    def _solve(self) -> None:
+        levels = _LEVELS if self._statistic is None else _OF_STATISTIC
+        offsets: list[Array] = []
+        changes: list[Array] = []
+        pending = np.ones(self.scales.shape, dtype=bool)
+        for level, (factor, rtol) in enumerate(levels):
+            near = self._offsets(factor, level == 0, pending)
+            centre, values, raw = self._compute(near, rtol)
+            self.value = np.where(np.isnan(centre), self.value, centre)
+            offsets.append(self.of_cells(near))
+            with np.errstate(invalid="ignore"):
+                changes.append(values - centre[:, None, None, :])
+            is_open = self._estimate(offsets[-1][..., :LANES], values, centre, factor, rtol)
+            if self._statistic is not None:
+                self._resample(self._statistic, raw, near)
+                break
+            pending &= is_open.any(axis=2)
+            if not pending.any():
+                break
+        largest = self._largest()[:, None, :]
+        with np.errstate(invalid="ignore"):
+            none = (self.error > _NO_DERIVATIVE * abs(self.derivative)) & (
+                self.error > _NOTICED * largest
+            )
+        self.is_kink |= none | np.isnan(self.derivative)
+        self.error[np.isnan(self.derivative)] = np.nan
+        self._find_valid(np.concatenate(offsets, axis=2), np.concatenate(changes, axis=2))
+
+    def _offsets(self, factor: float, is_first: bool, pending: Truths) -> Array:
+        """Return relative changes, shape (rows, parameters, offsets), NaN for no run."""
+        found = np.full((*pending.shape, LANES + 2 * len(FAR) * is_first), np.nan)
+        for row, i in np.argwhere(pending):
+            down, up = self._allowed[row][i][False], self._allowed[row][i][True]
+            near = offsets_of((down > 0, up > 0), factor)
+            found[row, i, : near.size] = near
+            if is_first:
+                far = [sign * step for step in FAR for sign, most in ((1, up), (-1, down))
+                       if step <= most and step > abs(near).max()]  # fmt: skip
+                found[row, i, LANES : LANES + len(far)] = far
+        return found
+
+    def _compute(self, offsets: Array, rtol: float) -> tuple[Array, Array, Array]:
+        """Run the lanes: values without change, of all changes, and those before a statistic."""
+        places = np.argwhere(np.isfinite(offsets))
+        rows = np.unique(places[:, 0])
+        requests = [Request(int(row), -1, 0.0, rtol) for row in rows]
+        n_centres = len(requests)
+        for row, i, k in places:
+            value = self._lanes.values[row, i] + offsets[row, i, k] * self.scales[row, i]
+            requests.append(Request(int(row), int(i), float(value), rtol))
+        found, fallen = self._lanes.run(requests)
+        if self._statistic is not None:
+            found[fallen] = np.inf
+        centre = np.full((len(offsets), found.shape[1]), np.nan)
+        centre[rows] = found[:n_centres]
+        values = np.full((*offsets.shape, found.shape[1]), np.nan)
+        values[tuple(places.T)] = found[n_centres:]
+        if self._statistic is None:
+            return centre, values, values
+        return self._statistic.of(centre), self._statistic.of(values), values
+
+    def of_cells(self, values: Array) -> Array:
+        """Reduce values of scenes to the common value of each cell."""
+        return values if self._statistic is None else self._statistic.first(values)
+
+    def _largest(self) -> Array:
+        """Return the largest of value and p dq/dp over the parameters."""
+        slopes = np.where(np.isfinite(self.derivative), abs(self.derivative), 0.0)
+        value = np.where(np.isfinite(self.value), abs(self.value), 0.0)
+        largest: Array = np.maximum(value, slopes.max(axis=1))
+        return largest
+
+    def _estimate(
+        self, offsets: Array, values: Array, centre: Array, factor: float, rtol: float
+    ) -> Truths:
+        """Differentiate, keep the better estimates, and return where steps disagree."""
+        found: dict[tuple[int, int, int], Estimate] = {}
+        for cell, i in np.argwhere(np.isfinite(offsets[..., 0])):
+            good = np.isfinite(offsets[cell, i])
+            for q in range(centre.shape[1]):
+                at = (int(cell), int(i), q)
+                near = values[cell, i, :LANES, q][good]
+                found[at] = derivative_at(offsets[cell, i][good], near, centre[cell, q])
+                if np.isnan(self.derivative[at]):
+                    self.derivative[at] = found[at].derivative
+        largest = self._largest()
+        is_open = np.zeros(self.derivative.shape, dtype=bool)
+        for at, item in found.items():
+            most = largest[at[0], at[2]]
+            if not math.isfinite(item.derivative):
+                continue
+            is_jump = item.is_kink and abs(item.jump) > _NOTICED * most
+            cell, i, q = at
+            around = np.append(values[cell, i, :LANES, q], centre[cell, q])
+            round_off = max(_ROUND_OFF * most, resolution(around)) / (NEAR[1] * factor)
+            of_tolerance = max(_OF_TOLERANCE * rtol / (NEAR[1] * factor), _LEAST)
+            floor = of_tolerance * most + round_off
+            error = _SAFETY * item.spread + floor
+            if is_jump and abs(item.jump - self._jump[at]) < _SAME_JUMP * abs(item.jump):
+                self._smaller[at] += factor < 1
+                if self._smaller[at] >= _CONFIRMED:
+                    self.is_kink[at] = True
+                    self.derivative[at], self.error[at] = item.derivative, abs(item.jump) / 2
+                    continue
+            self._jump[at] = item.jump if is_jump else 0.0
+            is_open[at] = item.spread > max(_SETTLED * most, 2 * round_off)
+            if error < self.error[at]:
+                self.derivative[at], self.error[at] = item.derivative, error
+        return is_open
+
+    def _resample(self, statistic: SuiteStatistic, raw: Array, offsets: Array) -> None:
+        """Compute the scatter of a slope over resampled suites."""
+        near = statistic.first(offsets)[:, :, :LANES, None]
+        tried = np.isfinite(near)
+        lever = np.where(tried, near - np.nanmean(near, axis=2, keepdims=True), 0.0)
+        samples = []
+        with np.errstate(invalid="ignore"):
+            for values in statistic.of_resampled(raw[:, :, :LANES]):
+                product = lever * np.where(tried, values, 0.0)
+                samples.append(product.sum(axis=2) / (lever**2).sum(axis=2))
+            low, high = np.quantile(np.array(samples), (0.16, 0.84), axis=0)
+            self.bootstrap_error = (high - low) / 2
+
+    def _find_valid(self, offsets: Array, changes: Array) -> None:
+        largest = self._largest()
+        for cell, i, q in np.ndindex(self.derivative.shape):
+            tried = np.isfinite(offsets[cell, i])
+            self.valid_within[cell, i, q] = valid_range(
+                offsets[cell, i][tried],
+                changes[cell, i, :, q][tried],
+                float(self.derivative[cell, i, q]),
+                _UNSEEN * float(largest[cell, q]),
+            )

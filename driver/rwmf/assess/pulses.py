@@ -1,0 +1,430 @@
+"""Pulses of equal response, and pulses that overturn the wall.
+
+The collapse of a frame counts as overturning of the wall. Axes of the map are omega_p/p and
+a_p/(alpha g), with p = sqrt(3 g/(4 R)) of the wall. The amplitudes are scanned at each frequency,
+and every change of the outcome is bisected.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import xarray as xr
+
+from rwmf.case import Case, CaseLike
+from rwmf.case.arguments import case_of, checked
+from rwmf.errors import InputError
+from rwmf.kernel import results, tables
+from rwmf.kernel.names import readable
+from rwmf.kernel.progress import Reports, reporting
+from rwmf.run import simulation
+from rwmf.run.quantities import ORDINATES as QUANTITIES
+from rwmf.run.quantities import Quantity, ending_of, find_quantity
+from rwmf.sweeps.executors import count_threads
+
+
+def origin_of(case: Case) -> dict[str, str]:
+    """Return the attributes that a study shares with a sweep."""
+    return {
+        "version": tables.version(),
+        "case": readable(case.to_namelist()),
+        "warnings": "\n".join(case.kernel.motion_warnings()),
+    }
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """The pulse of a case.
+
+    Attributes
+    ----------
+    case : Case
+        The case.
+    t_0 : float
+        Beginning of the pulse [s].
+    periods : float
+        Duration of the pulse over its period T_p [-]; the shape is independent of T_p.
+    """
+
+    case: Case
+    t_0: float
+    periods: float
+
+    @classmethod
+    def of(cls, case: Case, study: str) -> Self:
+        """Return the pulse of a case."""
+        motion = case.motion
+        if motion is None or motion.kind in ("record", "none"):
+            raise InputError(f"{study}: the case needs a pulse in &motion")
+        t_0 = float(motion.t_0)
+        T_p = float(motion.T_p) if "T_p" in motion else 2 * math.pi / float(motion.omega_p)
+        end = case.kernel.end_of_motion()
+        return cls(case, t_0, (end - t_0) / T_p)
+
+    def resized(self, a_max_g: float, T_p: float, follow: float) -> Case:
+        """Return the case with another amplitude and period."""
+        pulse = {"a_max_g": a_max_g, "v_p": None, "omega_p": None, "T_p": T_p}
+        t_end = self.t_0 + self.periods * T_p + follow
+        return self.case.replace(
+            motion=pulse, solver={"t_end": t_end}, output={"conditioning": False}
+        )
+
+
+# outcome without overturning; other outcomes are numbers of impacts before overturning
+SURVIVES = -1
+# simulated time after the pulse in 1/p; a shorter time would move the boundaries
+_FOLLOW = 25.0
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Reference quantities of a map.
+
+    Attributes
+    ----------
+    alpha : float
+        Slenderness atan(b/h) [rad].
+    p : float
+        Frequency parameter [rad/s].
+    """
+
+    alpha: float
+    p: float
+
+    @classmethod
+    def of(cls, case: Case) -> Wall:
+        """Return the wall of a case."""
+        if case.wall is None:
+            raise InputError("overturning: the case has no &wall")
+        if case.wall.get("base") == "pinned":
+            raise InputError("overturning: a hinged wall does not rock")
+        h, b = float(case.wall.h), float(case.wall.b)
+        return cls(math.atan2(b, h), math.sqrt(0.75 * float(case.model.g) / math.hypot(h, b)))
+
+
+@dataclass(frozen=True)
+class _Boundary:
+    """A change of the outcome along the amplitude axis."""
+
+    omega: float
+    amplitude: float
+    below: int
+    above: int
+
+
+@checked
+def overturning_map(
+    case: CaseLike,
+    omega_over_p: Sequence[float],
+    amplitude: Sequence[float],
+    tolerance: float = 1e-6,
+    threads: int = 0,
+    progress: Reports = None,
+) -> xr.Dataset:
+    """Compute an overturning map.
+
+    Parameters
+    ----------
+    case : Case or path
+        Wall, impact, pulse and other effects; amplitude, frequency and end time are replaced.
+    omega_over_p : sequence of float
+        Frequencies of the pulse over p [-].
+    amplitude : sequence of float
+        Amplitudes a_p/(alpha g) [-] to scan, in increasing order; regions between two neighbouring
+        amplitudes are missed.
+    tolerance : float
+        Width of the bisected boundaries [-].
+    threads : int
+        Threads, 0 for all.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all frequencies.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``outcome`` over (omega_over_p, amplitude): impacts before overturning or collapse, -1
+        without overturning. Over ``boundary``: its frequency, its amplitude (also over g
+        tan(alpha)), and the outcomes below and above. ``alpha``, ``p`` and, for a constant factor,
+        ``e`` are those of the wall; the attribute ``pulse`` is the kind of the motion.
+
+    Raises
+    ------
+    InputError
+        When the case is not acceptable.
+    NumericalError
+        When a run fails.
+    """
+    case = case_of(case)
+    wall = Wall.of(case)
+    pulse = Pulse.of(case, "overturning")
+    levels = [float(value) for value in amplitude]
+    if not np.isfinite(levels).all() or levels != sorted(set(levels)):
+        raise InputError("overturning: the amplitudes must be finite and increase")
+    frequencies = [float(value) for value in omega_over_p]
+    if not all(0 < value < math.inf for value in frequencies):
+        raise InputError("overturning: the frequencies omega_over_p must be finite and > 0")
+    if not tolerance > 0:
+        raise InputError(f"overturning: tolerance = {tolerance:g}: must be > 0")
+
+    def follow(omega: float) -> tuple[list[int], list[_Boundary]]:
+        return _scan(pulse, wall, omega, levels, tolerance)
+
+    results = []
+    with (
+        reporting(progress, "scan") as report,
+        ThreadPoolExecutor(count_threads(threads)) as executor,
+    ):
+        try:
+            for result in executor.map(follow, frequencies):
+                results.append(result)
+                if report is not None:
+                    report(len(results), len(frequencies))
+        except BaseException:
+            executor.shutdown(wait=False, cancel_futures=True)
+            raise
+    outcomes = [outcome for outcome, _ in results]
+    boundaries = [item for _, found in results for item in found]
+    found = _to_dataset(wall, frequencies, levels, outcomes, boundaries)
+    return found.assign(_factor(pulse, wall)).assign_attrs(origin_of(case), pulse=case.motion.kind)
+
+
+def _factor(pulse: Pulse, wall: Wall) -> dict[str, tuple[tuple[()], float, dict[str, str]]]:
+    """Return the velocity factor at impact, if it is constant."""
+    with simulation.start(pulse.resized(wall.alpha, 1 / wall.p, 0.0)) as run:
+        e = run.summary().get("e")
+    text = {"units": "1", "long_name": "velocity factor at impact"}
+    return {} if e is None else {"e": ((), float(e), text)}
+
+
+def _scan(
+    pulse: Pulse, wall: Wall, omega: float, levels: list[float], tolerance: float
+) -> tuple[list[int], list[_Boundary]]:
+    """Compute the outcomes at one frequency, and the boundaries between them."""
+
+    def outcome_at(amplitude: float) -> int:
+        return _outcome(pulse, wall, omega, amplitude)
+
+    outcomes = [outcome_at(level) for level in levels]
+    found: list[_Boundary] = []
+    for i in range(len(levels) - 1):
+        ends = (levels[i], outcomes[i]), (levels[i + 1], outcomes[i + 1])
+        found += _bisect(outcome_at, omega, *ends, tolerance)
+    return outcomes, found
+
+
+def _bisect(
+    outcome_at: Callable[[float], int],
+    omega: float,
+    low: tuple[float, int],
+    high: tuple[float, int],
+    tolerance: float,
+) -> list[_Boundary]:
+    """Find all changes between two amplitudes; a third outcome splits the search."""
+    if low[1] == high[1]:
+        return []
+    middle = 0.5 * (low[0] + high[0])
+    if high[0] - low[0] <= tolerance or middle in (low[0], high[0]):
+        return [_Boundary(omega, middle, low[1], high[1])]
+    centre = (middle, outcome_at(middle))
+    return _bisect(outcome_at, omega, low, centre, tolerance) + _bisect(
+        outcome_at, omega, centre, high, tolerance
+    )
+
+
+def _outcome(pulse: Pulse, wall: Wall, omega: float, amplitude: float) -> int:
+    T_p = 2 * math.pi / (omega * wall.p)
+    changed = pulse.resized(amplitude * wall.alpha, T_p, _FOLLOW / wall.p)
+    with simulation.start(changed) as run:
+        summary = run.summary()
+    return SURVIVES if ending_of(summary) == "ok" else int(summary.get("impacts", 0))
+
+
+def _to_dataset(
+    wall: Wall,
+    frequencies: list[float],
+    levels: list[float],
+    outcomes: list[list[int]],
+    boundaries: list[_Boundary],
+) -> xr.Dataset:
+    amplitudes = np.array([item.amplitude for item in boundaries])
+    texts = {
+        "omega_over_p": "frequency of the pulse over p",
+        "amplitude": "a_p/(alpha g)",
+        "outcome": "impacts before overturning, -1: the wall stays",
+        "boundary_omega_over_p": "frequency of the pulse over p at the boundary",
+        "boundary_amplitude": "a_p/(alpha g) at the boundary",
+        "boundary_amplitude_over_g_tan_alpha": "a_p/(g tan(alpha)) at the boundary",
+        "below": "outcome below the boundary",
+        "above": "outcome above the boundary",
+    }
+    values = {
+        "omega_over_p": ("omega_over_p", frequencies),
+        "amplitude": ("amplitude", levels),
+        "outcome": (("omega_over_p", "amplitude"), np.array(outcomes, dtype="i4")),
+        "boundary_omega_over_p": ("boundary", [item.omega for item in boundaries]),
+        "boundary_amplitude": ("boundary", amplitudes),
+        "boundary_amplitude_over_g_tan_alpha": (
+            "boundary",
+            amplitudes * wall.alpha / math.tan(wall.alpha),
+        ),
+        "below": ("boundary", np.array([item.below for item in boundaries], dtype="i4")),
+        "above": ("boundary", np.array([item.above for item in boundaries], dtype="i4")),
+    }
+    labelled = {
+        name: (*value, {"units": "1", "long_name": texts[name]}) for name, value in values.items()
+    }
+    axes = {name: labelled.pop(name) for name in ("omega_over_p", "amplitude")}
+    labelled["alpha"] = ((), wall.alpha, {"units": "rad", "long_name": "slenderness atan(b/h)"})
+    labelled["p"] = ((), wall.p, {"units": "rad/s", "long_name": "frequency parameter of the wall"})
+    return xr.Dataset(labelled, axes)
+
+
+# ratio of successive amplitudes in the search
+_GROWTH = 1.25
+_LOWEST, _HIGHEST = 1e-4, 20.0
+# a few periods of free vibration after the pulse contain the maximum
+_PERIODS_AFTER = 10.0
+
+
+@checked
+def equal_response(
+    case: CaseLike,
+    T_p: Sequence[float],
+    target: float,
+    tolerance: float = 1e-6,
+    threads: int = 0,
+    progress: Reports = None,
+    quantities: str | Sequence[str] | None = None,
+) -> xr.Dataset:
+    """Find the smallest pulse amplitude that reaches a response, for many periods.
+
+    Parameters
+    ----------
+    case : Case or path
+        A frame with or without a wall, or a free-standing wall, under a pulse whose amplitude and
+        period are replaced.
+    T_p : sequence of float
+        Periods of the pulse [s].
+    target : float
+        The response [the quantity's unit].
+    tolerance : float
+        Relative width of the bisected amplitude interval [-].
+    threads : int
+        Threads, 0 for all.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all periods.
+    quantities : str, optional
+        The response; otherwise ``u_s_max`` [m], or ``theta_max_over_alpha`` for a free-standing
+        wall.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``a_max_g`` [-] over ``T_p``; NaN where amplitudes up to 20 g miss the target.
+
+    Raises
+    ------
+    InputError
+        When the case is not acceptable.
+    """
+    case = case_of(case)
+    period = case.kernel.axes().get("T_s")
+    if period is None or period.value is None:
+        raise InputError("equal response: the case needs &frame T_s, or a &wall that rocks alone")
+    name = find_quantity(case, quantities, "equal response")
+    response = QUANTITIES[name]
+    if name == "u_s_max" and case.frame is None:
+        raise InputError(
+            "equal response: u_s_max: a free-standing wall has no frame displacement; "
+            "take its rotation, theta_max_over_alpha"
+        )
+    if response.asked_by:
+        case = case.replace(output={response.asked_by: True})
+    pulse = Pulse.of(case, "equal response")
+    for word, value in (("target", target), ("tolerance", tolerance), *(("T_p", T) for T in T_p)):
+        if not 0 < value < np.inf:
+            raise InputError(f"equal response: {word} = {value:g}: must be finite and > 0")
+    periods = [float(value) for value in T_p]
+    search = _Search(pulse, _PERIODS_AFTER * period.value, response, target)
+    amplitudes: list[float] = []
+    with (
+        reporting(progress, "period") as report,
+        ThreadPoolExecutor(count_threads(threads)) as executor,
+    ):
+        try:
+            for found in executor.map(lambda T: _climb(search, T, tolerance), periods):
+                amplitudes.append(found)
+                if report is not None:
+                    report(len(amplitudes), len(periods))
+        except BaseException:
+            executor.shutdown(wait=False, cancel_futures=True)
+            raise
+    unit = "" if response.unit == "1" else f" {response.unit}"
+    text = f"amplitude over g for {name} = {target:g}{unit}"
+    return xr.Dataset(
+        {
+            "a_max_g": ("T_p", amplitudes, {"units": "1", "long_name": text}),
+            "target": ((), target, response.attributes),
+            "T_s": ((), period.value, {"units": period.unit, "long_name": period.meaning}),
+        },
+        {"T_p": ("T_p", periods, {"units": "s", "long_name": "period of the pulse"})},
+        origin_of(case) | {"quantity": name},
+    )
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Target and conditions of the search.
+
+    Attributes
+    ----------
+    pulse : Pulse
+        The pulse.
+    follow : float
+        Simulated time after the pulse [s].
+    quantity : Quantity
+        The response.
+    target : float
+        Target value [its unit].
+    """
+
+    pulse: Pulse
+    follow: float
+    quantity: Quantity
+    target: float
+
+    def is_reached(self, T_p: float, amplitude: float) -> bool:
+        """Run one pulse; a run that ended early exceeds every target."""
+        changed = self.pulse.resized(amplitude, T_p, self.follow)
+        with results.start_simulation(changed.kernel, changed.label) as run:
+            summary = run.summary()
+        if ending_of(summary) != "ok":
+            return True
+        if self.quantity.key not in summary:
+            raise InputError(f"equal response: {self.quantity.key}: no run of the case reports it")
+        return float(summary[self.quantity.key]) >= self.target
+
+
+def _climb(search: _Search, T_p: float, tolerance: float) -> float:
+    """Increase the amplitude until it reaches the target, then bisect."""
+    low, high = _LOWEST, _LOWEST
+    while not search.is_reached(T_p, high):
+        low, high = high, high * _GROWTH
+        if high > _HIGHEST:
+            return np.nan
+    while high - low > tolerance * high:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        if search.is_reached(T_p, middle):
+            high = middle
+        else:
+            low = middle
+    return high

@@ -1,0 +1,92 @@
+"""Statistics over a suite of records; rocking responses need distributions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from rwmf.case.arguments import array_of, checked
+from rwmf.errors import InputError
+from rwmf.kernel.numbers import show, to_array, to_items
+from rwmf.run.arguments import dataset_of
+from rwmf.run.quantities import ENDINGS
+
+
+def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
+    """Return a quantity of a sweep, infinite for overturning or collapse."""
+    status = dataset["status"]
+    # a sweep has numbers, a spectrum names
+    names = str(status.attrs.get("flag_meanings", "")).split()
+    fallen = status.isin([names.index(name) if names else name for name in ENDINGS
+                          if name in names or not names])  # fmt: skip
+    return dataset[name].where(~fallen, np.inf).assign_attrs(dataset[name].attrs)
+
+
+def _of_ranks(values: xr.DataArray, shares: np.ndarray, dim: str) -> xr.DataArray:
+    """Compute quantiles over a dimension."""
+    axis = values.get_axis_num(dim)
+    # linear interpolation between a number and infinity would give infinity or NaN
+    found = np.nanquantile(values.values, shares, axis=axis, method="inverted_cdf")
+    kept = values.isel({dim: 0}, drop=True)
+    return xr.DataArray(
+        found,
+        dims=("quantile", *kept.dims),
+        coords=kept.coords,
+        name=values.name,
+        attrs=values.attrs,
+    )
+
+
+@checked
+def quantile(
+    dataset: xr.Dataset,
+    quantity: str = "u_s_max",
+    q: float | Sequence[float] = (0.16, 0.5, 0.84),
+    dim: str = "record",
+) -> xr.DataArray:
+    """Compute quantiles of a quantity over a suite; overturned and collapsed runs are infinite.
+
+    A quantile is the value of a run, by ranks, because no number lies between a finite and an
+    infinite one. It is infinite where too many runs overturned or collapsed; the quantiles of
+    xarray would use the last peaks of such runs.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.sweep`, `rwmf.spectrum` or an incremental dynamic analysis.
+    quantity : str
+        Variable of the dataset.
+    q : float or sequence of float
+        Shares of the runs at or below the quantile, in [0, 1].
+    dim : str
+        Dimension of the suite.
+
+    Returns
+    -------
+    xarray.DataArray
+        Quantiles over ``quantile`` (unless `q` is one number) and the other dimensions, without
+        failed runs.
+
+    Raises
+    ------
+    InputError
+        When the dataset lacks status, quantity or dimension, or a share is not in [0, 1].
+
+    Examples
+    --------
+    >>> rwmf.quantile(rwmf.sweep(case, records=suite), "u_s_max", 0.84)  # doctest: +SKIP
+    """
+    dataset = dataset_of(dataset, "rwmf.sweep, rwmf.spectrum or a study", "status")
+    if quantity not in dataset.data_vars or quantity == "status":
+        names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
+        raise InputError(f"quantity = {show(quantity)}: is not in the dataset, which has {names}")
+    is_one = to_items(q) is None
+    shares = to_array("q", [q] if is_one else q, least=1)
+    if not ((shares >= 0) & (shares <= 1)).all():
+        raise InputError(f"q = {show(q)}: must be in [0, 1]")
+    values = with_overturning(dataset, quantity)
+    found = _of_ranks(array_of(values, dim), shares, dim)
+    found = found.assign_coords(quantile=("quantile", shares))
+    return found.isel(quantile=0) if is_one else found

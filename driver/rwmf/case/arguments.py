@@ -1,0 +1,255 @@
+"""Conversion and checks of the arguments of public functions, by name."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from rwmf.case import Case, CaseLike, Motion
+from rwmf.errors import InputError, call_depth, warn
+from rwmf.kernel.names import problem_of_name
+from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
+from rwmf.kernel.results import check_threads
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+_F = TypeVar("_F")
+Check = Callable[[str, Any], Any]
+
+
+def case_of(case: CaseLike) -> Case:
+    """Return a case; read it from its file when a path is given."""
+    if isinstance(case, Case):
+        return case
+    return Case.from_namelist(path_of("case", case, "a Case or the path of a namelist"))
+
+
+def path_of(name: str, value: object, wanted: str = "the path of a file") -> str:
+    """Return the text of a path."""
+    path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
+    if not isinstance(path, str):
+        raise InputError(f"{name} = {show(value)}: must be {wanted}")
+    problem = problem_of_name(path)
+    if problem is not None:
+        raise InputError(f"{name} = {show(value)}: {problem}")
+    return path
+
+
+def texts_of(name: str, value: object) -> list[str]:
+    """Return a list of texts; one text is a list of one."""
+    items = [value] if isinstance(value, str) else to_items(value)
+    if items is None or not all(isinstance(item, str) for item in items):
+        raise InputError(f"{name} = {show(value)}: must be a text or a list of texts")
+    return [str(item) for item in items]
+
+
+def array_of(value: object, dim: str) -> xr.DataArray:
+    """Return a labelled array after checking that it has a dimension."""
+    import xarray as xr
+
+    if not isinstance(value, xr.DataArray):
+        raise InputError(f"values = {show(value)}: must be a variable of the dataset of a sweep")
+    if not isinstance(dim, str) or dim not in value.dims:
+        known = ", ".join(map(str, value.dims))
+        raise InputError(f"values: has no dimension {show(dim)}, only {known}")
+    return value
+
+
+def function_of(name: str, value: _F) -> _F:
+    """Return a function that the caller gives."""
+    if not callable(value):
+        raise InputError(f"{name} = {show(value)}: must be callable")
+    return value
+
+
+def _text(name: str, value: object) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"{name} = {show(value)}: must be a text")
+    return value
+
+
+def _truth(name: str, value: object) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name} = {show(value)}: must be True or False")
+    return bool(value)
+
+
+def _reports(name: str, value: object) -> object:
+    if not callable(value) and not isinstance(value, bool):
+        raise InputError(f"{name} = {show(value)}: must be True, or a function (done, total)")
+    return value
+
+
+def _executor(name: str, value: object) -> object:
+    if not callable(getattr(value, "submit", None)):
+        raise InputError(f"{name} = {show(value)}: must be an executor, with a method submit")
+    return value
+
+
+def _mapping(name: str, value: object) -> object:
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} = {show(value)}: must be names with values")
+    return value
+
+
+def _sequence(name: str, value: object) -> list[Any]:
+    # a single record, file or part becomes a list of one
+    is_one = isinstance(value, str | os.PathLike | Motion) or hasattr(value, "crc32")
+    items = [value] if is_one else to_items(value)
+    if items is None:
+        raise InputError(f"{name} = {show(value)}: must be a list")
+    return items
+
+
+def _part(name: str, value: object) -> tuple[int, int]:
+    items = to_items(value)
+    if items is None or len(items) != 2:
+        raise InputError(f"{name} = {show(value)}: must be two whole numbers (K, N)")
+    k, n = (to_whole(name, item, 1) for item in items)
+    return k, n
+
+
+def _ax(name: str, value: object) -> object:
+    if not hasattr(value, "get_xaxis_transform"):
+        raise InputError(f"{name} = {show(value)}: must be axes of matplotlib")
+    return value
+
+
+def _axes(name: str, value: object) -> object:
+    if value is None:
+        # a new figure
+        return value
+    items = list(value.ravel()) if isinstance(value, np.ndarray) else value
+    for ax in items if isinstance(items, Sequence) and items else [items]:
+        _ax(name, ax)
+    return value
+
+
+def _positive(name: str, value: object) -> float:
+    return to_number(name, value, above=0.0)
+
+
+def _positives(name: str, value: object) -> list[float]:
+    return [float(x) for x in to_array(name, value, above=0.0, least=1)]
+
+
+# by argument name; None is allowed where it is the default
+_CHECKS: dict[str, Check] = {
+    "across": _truth,
+    "amplitude": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
+    "ax": _ax,
+    "axes": _axes,
+    "chunk": lambda name, value: to_whole(name, value, 0, 10**15),
+    "damping": lambda name, value: _damping(name, value),
+    "component": _text,
+    "dt": _positive,
+    "executor": _executor,
+    "file": path_of,
+    "folder": lambda name, value: (
+        "" if isinstance(value, str) and not value else path_of(name, value)
+    ),
+    "force": _truth,
+    "function": function_of,
+    "grid": _mapping,
+    "ground": function_of,
+    "has_branches": _truth,
+    "horizon": to_number,
+    "intensity": _text,
+    "kind": _text,
+    "legend": _truth,
+    "levels": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
+    "limit": to_number,
+    "n": lambda name, value: to_whole(name, value, 1),
+    "omega_over_p": _positives,
+    "open_browser": _truth,
+    "is_paired": _truth,
+    "part": _part,
+    "parts": _sequence,
+    "path": path_of,
+    "peak": _positive,
+    "period": _positive,
+    "periods": _positives,
+    "port": lambda name, value: to_whole(name, value, 0, 65535),
+    "progress": _reports,
+    "quantities": texts_of,
+    "quantity": _text,
+    "records": _sequence,
+    "restart": _truth,
+    "t_begin": to_number,
+    "t_end": _positive,
+    "target": _positive,
+    "threads": lambda name, value: check_threads(value, name),
+    "tolerance": _positive,
+    "T_p": _positives,
+    "uncertain": _mapping,
+    "unit": _text,
+    "variables": texts_of,
+    "words": _sequence,
+}
+
+
+def _damping(name: str, value: object) -> float:
+    wanted = "in [0, 1)"
+    number = to_number(name, value, below=1.0, wanted=wanted)
+    if number < 0:
+        raise InputError(f"{name} = {show(value)}: must be {wanted}")
+    return number
+
+
+def _is_of_caller(error: BaseException) -> bool:
+    """Return whether a callback of the user raised an error, not the package or a library."""
+    frame = error.__traceback__
+    while frame is not None and frame.tb_next is not None:
+        frame = frame.tb_next
+    path = Path(frame.tb_frame.f_code.co_filename if frame is not None else __file__)
+    return "site-packages" not in path.parts and Path(__file__).parents[1] not in path.parents
+
+
+def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Convert or refuse the arguments of a public function before it runs.
+
+    The warnings of its result are emitted, unless another public function has called it.
+    """
+    signature = inspect.signature(function)
+    defaults = {name: item.default for name, item in signature.parameters.items()}
+    further = {name for name, item in signature.parameters.items() if item.kind is item.VAR_KEYWORD}
+
+    @functools.wraps(function)
+    def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        if "quantity" in kwargs and "quantity" not in signature.parameters:
+            raise TypeError(f"{function.__name__}: quantity is now quantities")
+        bound = signature.bind(*args, **kwargs)
+        for name, value in bound.arguments.items():
+            if name in _CHECKS and value is not defaults[name]:
+                bound.arguments[name] = _CHECKS[name](name, value)
+            elif name in further:
+                bound.arguments[name] = {
+                    word: item if item is None or word not in _CHECKS else _CHECKS[word](word, item)
+                    for word, item in value.items()
+                }
+        before = call_depth.set(call_depth.get() + 1)
+        try:
+            result = function(*bound.args, **bound.kwargs)
+        except ArithmeticError as error:
+            if _is_of_caller(error):
+                raise
+            text = f"{function.__name__}: numbers exceed the range of the computation ({error})"
+            raise InputError(text) from error
+        finally:
+            call_depth.reset(before)
+        lines = getattr(result, "attrs", {}).get("warnings")
+        if lines and call_depth.get() == 0:
+            warn(str(lines).splitlines())
+        return result
+
+    return call

@@ -1,0 +1,217 @@
+"""Commands ``rwmf check`` and ``rwmf new``: contents of a case, and a new one."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from rwmf.case import Case
+from rwmf.case.group import Group
+from rwmf.case.json_schema import make_schema
+from rwmf.cli.output import print_json, print_written
+from rwmf.cli.words import number, whole
+from rwmf.errors import InputError
+from rwmf.kernel import files
+
+# lines of `rwmf check`: word of the kernel's inventory, label, and text for an empty list
+_INVENTORY = (
+    ("effects", "effects", "none"),
+    ("absent", "not simulated", "nothing is left out"),
+    ("states", "states", "none"),
+    ("events", "events", "none"),
+    ("scalars", "outputs", "none"),
+    ("columns", "history", "none (&output dt)"),
+)
+
+
+def run_check(options: argparse.Namespace) -> int:
+    """Validate a case and print its contents, or the schema of all (``rwmf check``)."""
+    if options.schema:
+        print_json(make_schema())
+        return 0
+    if options.case is None:
+        raise InputError("CASE.nml, or --schema: is missing")
+    try:
+        case = Case.from_namelist(options.case)
+    except InputError as error:
+        if not options.json:
+            raise
+        print_json({"valid": False, "error": str(error)})
+        return error.exit_status
+    found = case.kernel.inventory()
+    if options.json:
+        inventory = {word: found[word] for word, *_ in _INVENTORY if word in found}
+        values = {name: _values_of(group) for name, group in case.groups.items()}
+        print_json(
+            {
+                "valid": True,
+                **inventory,
+                "notes": found["notes"],
+                "warnings": case.kernel.warnings(),
+                "values": values,
+            }
+        )
+        return 0
+    print(f"{options.case}: valid")
+    for word, shown, nothing in _INVENTORY:
+        print(f"{shown}: {', '.join(found.get(word, [])) or nothing}")
+    n = case.kernel.ordinates()
+    if n > 0:
+        print(f"spectrum: {n} simulations")
+    for kind, lines in (("note", found["notes"]), ("warning", case.kernel.warnings())):
+        print("".join(f"{kind}: {line}\n" for line in lines), end="")
+    print("values, those that the case does not give in parentheses:")
+    for name, group in case.groups.items():
+        print(f"  {name:8s} {group!r}")
+    return 0
+
+
+def _values_of(group: Group) -> dict[str, dict[str, Any]]:
+    """Return each key with value and unit, dimensional where a case with a mass has ratios."""
+    found: dict[str, dict[str, Any]] = {}
+    for key, value in group.items():
+        origin = "given" if key in group.given else "default"
+        found[key] = {
+            "value": list(value) if isinstance(value, tuple) else value,
+            "unit": group.units[key],
+            "origin": "derived" if key in group.derived else origin,
+        }
+        if key in group.in_si:
+            number, unit = group.in_si[key]
+            found[key]["in_si"] = list(number) if isinstance(number, tuple) else number
+            found[key]["unit_of_in_si"] = unit
+    return found
+
+
+# option, question, default, and what its answer may be
+_QUESTIONS: tuple[tuple[str, str, float, Callable[[str], float]], ...] = (
+    ("storeys", "How many storeys?", 6, whole(1, 100)),
+    ("mass", "Mass of a floor in kg?", 150e3, number(above=0)),
+    ("period", "First period of the frame alone in s?", 1.0, number(above=0)),
+    ("width", "Width of the wall in m (0: no wall)?", 4.0, number(above=-1e-9)),
+)
+_HEIGHT = 3.2
+_BUILDING = """\
+! How far does a building of {storeys} storeys drift{beside}?
+!
+! Written by `rwmf new`. Change any number: `rwmf check` shows what follows from it, `rwmf run` the
+! response. docs/reference/namelist.md has every group and key.
+{wall}
+&frame
+   xi_s = 0.03 ! damping ratio of every mode
+/
+
+&storeys
+   n = {storeys}
+   m = {mass:.8g} ! kg, of each
+   height = {height} ! m
+   T_1 = {period:.8g} ! s: period of the frame alone; its stiffness follows
+   distribution = 'linear' ! of the stiffness over the height
+   coupling = {links}
+/
+{tendon}
+&motion ! a pulse; or kind = 'record', file = 'record.AT2'
+   kind = 'one_sine'
+   a_max_g = 0.3 ! g
+   T_p = {pulse:.4g} ! s
+/
+
+&solver
+   t_end = {t_end:.8g} ! s
+/
+"""
+_WALL = """
+&wall ! {top:g} m tall, {width:g} m wide, of reinforced concrete
+   h = {h:.8g} ! half height, m
+   b = {b:.8g} ! half width, m
+   thickness = 0.3 ! m
+   density = 2500.0 ! kg/m3
+   shear_key = .true. ! keeps the base from sliding
+/
+
+&bending ! the wall bends
+   E = 30.0e9 ! Pa
+   cracking = 0.5 ! stiffness left in cracked concrete
+   nu = 0.2 ! with shear
+   damping = 'stiffness'
+/
+"""
+_TENDON = """
+&cable ! strands of 15.7 mm on the axis of the wall
+   strands = {strands}
+   strand_area = 150.0e-6 ! m2
+   modulus = 195.0e9 ! Pa
+   initial_stress = 700.0e6 ! Pa
+   yield_stress = 1640.0e6 ! Pa
+   law = 'truss'
+/
+"""
+
+
+def run_new(options: argparse.Namespace) -> int:
+    """Write a commented case from four answers (``rwmf new``)."""
+    path = Path(options.out)
+    if path.exists() and not options.force:
+        raise InputError(f"{path}: exists; --force replaces it")
+    answers = {
+        name: _answer(getattr(options, name), question, default, read)
+        for name, question, default, read in _QUESTIONS
+    }
+    text = _text(**answers)
+    Case.from_text(text)
+    files.write_bytes(path, text.encode())
+    print_written([path])
+    print(f"next: rwmf run {path}")
+    return 0
+
+
+def _answer(
+    given: float | None, question: str, default: float, read: Callable[[str], float]
+) -> float:
+    """Return the value of an option, or ask for it on a terminal."""
+    if given is not None:
+        return given
+    if not sys.stdin.isatty():
+        return default
+    while True:
+        try:
+            word = input(f"{question} [{default:g}] ").strip()
+            return read(word) if word else default
+        except argparse.ArgumentTypeError as error:
+            print(error)
+        except EOFError:
+            return default
+
+
+def _text(storeys: float, mass: float, period: float, width: float) -> str:
+    top = storeys * _HEIGHT
+    values: dict[str, float] = {
+        "storeys": int(storeys),
+        "mass": mass,
+        "period": period,
+        "width": width,
+        "top": top,
+    }
+    values |= {"h": top / 2, "b": width / 2, "height": _HEIGHT, "pulse": round(1.2 * period, 3)}
+    # strands with about half the weight of the wall
+    weight = width * 0.3 * top * 2500.0 * 9.81
+    values |= {"strands": max(1, round(weight / (2 * 150e-6 * 700e6))), "t_end": 10.0 * period}
+    has_wall = width > 0
+    links = "'springs' ! struts between floors and wall\n   k_link = 100.0e6 ! N/m"
+    text = _BUILDING.format(
+        beside=" beside a rocking wall" if has_wall else "",
+        wall=_WALL.format(**values) if has_wall else "",
+        tendon=_TENDON.format(**values) if has_wall else "",
+        links=links if has_wall else "'full'",
+        **values,
+    )
+    return "\n".join(_aligned(line) for line in text.splitlines()) + "\n"
+
+
+def _aligned(line: str) -> str:
+    """Put the comment after a value into its column."""
+    code, mark, comment = line.partition("!")
+    return f"{code.rstrip():30} ! {comment.strip()}" if code and mark else line

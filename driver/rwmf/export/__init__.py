@@ -1,1 +1,0 @@
-"""Cases as input of other programs."""

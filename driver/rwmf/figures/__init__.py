@@ -1,0 +1,1 @@
+"""Figures of datasets and results, films, and loops of springs; none simulates."""

@@ -1,0 +1,459 @@
+"""Frame of a coupling: its interface and results, and one of matrices or functions."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf.case.arguments import function_of
+from rwmf.errors import InputError, NumericalError
+from rwmf.hosts.states import WallEvent
+from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_shaped, to_whole
+
+Reals = npt.NDArray[np.float64]
+Wholes = npt.NDArray[np.int64]
+
+
+# step whose square is far above the smallest number [s]
+_SHORTEST = 1e-100
+
+
+class Host(Protocol):
+    """A frame that steps by Newmark's average acceleration and can try a step.
+
+    Vectors over the degrees of freedom hold displacements relative to the ground.
+
+    Attributes
+    ----------
+    links : numpy.ndarray of int, shape (links,)
+        Degrees of freedom linked to the wall, from the ground up.
+    """
+
+    links: Wholes
+
+    def motion(self) -> tuple[Reals, Reals, Reals]:
+        """Return the committed motion of all degrees of freedom.
+
+        Returns
+        -------
+        tuple of numpy.ndarray, each of shape (dofs,)
+            Displacements [m], velocities [m/s], accelerations [m/s2].
+        """
+        ...
+
+    def time(self) -> float:
+        """Return the time of the committed motion.
+
+        Returns
+        -------
+        float
+            The time [s].
+        """
+        ...
+
+    def attempt(self, forces: Reals, h: float) -> Reals:
+        """Compute a step without committing it.
+
+        Parameters
+        ----------
+        forces : numpy.ndarray, shape (links,)
+            Forces on the frame at the links at the end of the step [N].
+        h : float
+            Length of the step [s].
+
+        Returns
+        -------
+        numpy.ndarray, shape (dofs,)
+            Increments of displacement [m].
+
+        Raises
+        ------
+        NumericalError
+            When the frame finds no equilibrium.
+        """
+        ...
+
+    def commit(self, forces: Reals, h: float) -> None:
+        """Make a step.
+
+        Parameters
+        ----------
+        forces : numpy.ndarray, shape (links,)
+            Forces on the frame at the links at the end of the step [N].
+        h : float
+            Length of the step [s].
+
+        Raises
+        ------
+        NumericalError
+            When the frame finds no equilibrium.
+        """
+        ...
+
+    def set_rates(self, velocities: Reals, accelerations: Reals) -> None:
+        """Replace the committed rates, after an impact, a lift-off or rest.
+
+        Parameters
+        ----------
+        velocities : numpy.ndarray, shape (dofs,)
+            Velocities [m/s].
+        accelerations : numpy.ndarray, shape (dofs,)
+            Accelerations [m/s2].
+        """
+        ...
+
+
+class IteratedHost(Host):
+    """A host that corrects the increments of a step until it is in equilibrium."""
+
+    _most_iterations: int
+
+    def attempt(self, forces: Reals, h: float) -> Reals:
+        """Compute a step without committing it."""
+        forces, h = self._checked(forces, h)
+        increment = self._guess(h)
+        for iteration in range(1, self._most_iterations + 1):
+            correction, is_last = self._correct(increment, forces, h, iteration)
+            increment = increment + correction
+            if is_last:
+                return increment
+        raise NumericalError(f"t = {self.time():g} s: the host finds no equilibrium")
+
+    def commit(self, forces: Reals, h: float) -> None:
+        """Make a step."""
+        self._make_step(*self._checked(forces, h))
+
+    def _checked(self, forces: Reals, h: float) -> tuple[Reals, float]:
+        links = (len(self.links),)
+        return to_shaped("forces", forces, links), to_number(
+            "h", h, above=_SHORTEST, below=1 / _SHORTEST
+        )
+
+    @abstractmethod
+    def _guess(self, h: float) -> Reals:
+        """Return the increments before the first correction."""
+
+    @abstractmethod
+    def _correct(
+        self, increment: Reals, forces: Reals, h: float, iteration: int
+    ) -> tuple[Reals, bool]:
+        """Return a correction of increments, and whether it is the last one."""
+
+    @abstractmethod
+    def _make_step(self, forces: Reals, h: float) -> None:
+        """Make a step, as `commit`."""
+
+
+def end_rates(increment: Reals, h: float, v: Reals, a: Reals) -> tuple[Reals, Reals]:
+    """Return the rates at the end of a step of average acceleration."""
+    mean = increment / h
+    return 2 * mean - v, 4 * (mean - v) / h - a
+
+
+class CouplingEnergy(NamedTuple):
+    """Energies of a coupling.
+
+    Attributes
+    ----------
+    work : float
+        Work of the frame on the wall through the links [J].
+    impacts : float
+        Kinetic energy that wall and frame lose at impacts [J].
+    error : float
+        Work of the differences between the force of the wall and that on the frame [J].
+    """
+
+    work: float
+    impacts: float
+    error: float
+
+
+@dataclass
+class CoupledRun:
+    """Results of a coupling at the ends of its steps.
+
+    Attributes
+    ----------
+    host_mass : float
+        Mass of the frame that moves with the wall, at the highest link [kg]; 0 on link springs.
+    t : list of float
+        Times [s].
+    u, theta, force : list of float
+        Displacement of the highest link [m], rotation of the wall [rad], and force of the wall on
+        the frame [N]. The force is summed over the links by their heights.
+    link_forces : list of numpy.ndarray, each of shape (links,)
+        Force of the wall on the frame at each link [N].
+    deflection : list of float
+        Deflection of the top of a wall that bends [m]; 0 of a rigid wall.
+    events : list of WallEvent
+        Lift-offs, impacts and rest.
+    u_s_max : float
+        Largest displacement of the highest link, also inside steps [m].
+    impacts : int
+        Number of impacts.
+    velocity_factor : float
+        Factor on the velocity of the straight wall at the last impact [-]; NaN without one.
+    energy : CouplingEnergy
+        Energies of the coupling [J].
+    iterations : int
+        Trial steps of the host.
+    """
+
+    host_mass: float
+    velocity_factor: float = math.nan
+    t: list[float] = field(default_factory=list)
+    u: list[float] = field(default_factory=list)
+    theta: list[float] = field(default_factory=list)
+    force: list[float] = field(default_factory=list)
+    link_forces: list[Reals] = field(default_factory=list)
+    deflection: list[float] = field(default_factory=list)
+    events: list[WallEvent] = field(default_factory=list)
+    u_s_max: float = 0.0
+    impacts: int = 0
+    energy: CouplingEnergy = field(default_factory=lambda: CouplingEnergy(0.0, 0.0, 0.0))
+    iterations: int = 0
+
+
+# flexibilities that are kept, and the digits by which their steps differ
+_MOST_KEPT = 8
+_DIGITS = 6
+# part of the step that shows masses and accelerations of the host
+_INSTANT = 1e-4
+# relative difference of masses that two such parts show
+_SAME_MASS = 1e-2
+
+
+class LinkedFrame:
+    """A host as its links show it.
+
+    Attributes
+    ----------
+    by_force : numpy.ndarray, shape (dofs, links)
+        Accelerations of the frame by unit forces at the links [1/kg].
+    mass : numpy.ndarray, shape (links, links)
+        Mass of the frame at the links [kg].
+    """
+
+    def __init__(self, host: Host, dt: float, force: float) -> None:
+        self._host, self._dt, self._force = host, dt, force
+        self._instant = _INSTANT * dt
+        self._flexibilities: dict[float, Reals] = {}
+        self.by_force: Reals = self._increments(self._instant) * 4 / self._instant**2
+        at_links = self.by_force[host.links]
+        # without a mass the acceleration would grow as the step shrinks
+        longer = 10 * self._instant
+        again = self._increments(longer)[host.links] * 4 / longer**2
+        if not np.allclose(at_links, again, rtol=_SAME_MASS) or not np.all(np.diag(again) > 0):
+            raise InputError("host: a link has no mass")
+        self.mass: Reals = np.asarray(np.linalg.inv(at_links), dtype=np.float64)
+
+    def _increments(self, h: float) -> Reals:
+        """Increments of the frame in a step by unit forces on the frame at the links [m/N]."""
+        links = len(self._host.links)
+        base = self._host.attempt(np.zeros(links), h)
+        columns = [
+            (self._host.attempt(self._force * unit, h) - base) / self._force
+            for unit in np.eye(links)
+        ]
+        return np.array(columns).T
+
+    def motion(self) -> Reals:
+        """Return the committed motion of the links."""
+        return np.array([values[self._host.links] for values in self._host.motion()])
+
+    def flexibility(self, h: float, is_new: bool) -> Reals:
+        """Return the displacements of the links by unit forces at the end of a step."""
+        # whole steps differ by the rounding of the times
+        part = round(h / self._dt, _DIGITS)
+        if is_new or part not in self._flexibilities:
+            if len(self._flexibilities) > _MOST_KEPT:
+                self._flexibilities.clear()
+            self._flexibilities[part] = self._increments(h)[self._host.links]
+        return self._flexibilities[part]
+
+    def with_link_velocities(self, at_links: Reals) -> Reals:
+        """Return the velocities of the frame after impulses at the links."""
+        links = self._host.links
+        _, velocities, _ = self._host.motion()
+        change = at_links - velocities[links]
+        return np.asarray(
+            velocities + self.by_force @ np.linalg.solve(self.by_force[links], change)
+        )
+
+    def free_accelerations(self, velocities: Reals) -> Reals:
+        """Return the accelerations without forces at the links, and set the velocities."""
+        host, h = self._host, self._instant
+        _, _, accelerations = host.motion()
+        host.set_rates(velocities, accelerations)
+        increment = host.attempt(np.zeros(len(host.links)), h)
+        return end_rates(increment, h, velocities, accelerations)[1]
+
+
+# relative size of an increment at which Newton's method has converged
+_CONVERGED = 1e-13
+# difference for a tangent, relative to the increment of a step
+_DIFFERENCE = 1e-6
+
+
+class FunctionHost(IteratedHost):
+    """A frame given by its masses and functions for damping and restoring forces.
+
+    Its equation is M u'' + d(u') + r(u) + f = -M u_g'', with all displacements horizontal and
+    relative to the ground.
+
+    Parameters
+    ----------
+    mass : array_like, shape (dofs,) or (dofs, dofs)
+        Masses, or mass matrix [kg].
+    damping : array_like, shape (dofs, dofs), or callable
+        Matrix [N s/m], or damping forces [N] at velocities [m/s].
+    restoring : array_like, shape (dofs, dofs), or callable
+        Matrix [N/m], or restoring forces [N] at displacements [m]. A function is called for trial
+        displacements in any order; a law with memory keeps its state until `on_commit`.
+    ground : callable
+        Ground acceleration [m/s2] at a time [s].
+    links : sequence of int
+        Degrees of freedom linked to the wall, from the ground up, counted from 0.
+    on_commit : callable, optional
+        Called with the displacements [m] at the end of each step.
+
+    Raises
+    ------
+    InputError
+        When an argument is not acceptable.
+    """
+
+    _most_iterations = 50
+
+    def __init__(
+        self,
+        mass: object,
+        damping: object,
+        restoring: object,
+        ground: Callable[[float], float],
+        links: object,
+        on_commit: Callable[[Reals], None] | None = None,
+    ) -> None:
+        self._mass = _matrix("mass", mass)
+        n = len(self._mass)
+        self._damping = _forces("damping", damping, n)
+        self._restoring = _forces("restoring", restoring, n)
+        self._ground = function_of("ground", ground)
+        self._on_commit = None if on_commit is None else function_of("on_commit", on_commit)
+        numbers = [to_whole("links", number, 0, n - 1) for number in to_items(links) or []]
+        if not numbers:
+            raise InputError(f"links = {show(links)}: must be numbers in [0, {n - 1}]")
+        self.links: Wholes = np.array(numbers, dtype=np.int64)
+        self._t = 0.0
+        self._u, self._v, self._a = np.zeros((3, n))
+
+    def motion(self) -> tuple[Reals, Reals, Reals]:
+        """Return the committed displacements, velocities and accelerations [m, s].
+
+        Returns
+        -------
+        tuple of numpy.ndarray, each of shape (dofs,)
+            The motion.
+        """
+        return self._u, self._v, self._a
+
+    def time(self) -> float:
+        """Return the time of the committed motion.
+
+        Returns
+        -------
+        float
+            The time [s].
+        """
+        return self._t
+
+    def _guess(self, h: float) -> Reals:
+        return h * self._v
+
+    def _correct(
+        self, increment: Reals, forces: Reals, h: float, iteration: int
+    ) -> tuple[Reals, bool]:
+        """Take a step of Newton's method."""
+        load = -self._mass.sum(axis=1) * self._ground(self._t + h)
+        np.add.at(load, self.links, forces)
+        speed = np.abs(self._v).max()
+        size = max(h * speed + h * h * np.abs(self._a).max(), np.abs(increment).max())
+        v, a = end_rates(increment, h, self._v, self._a)
+        u = self._u + increment
+        residual = load - self._mass @ a - self._damping(v) - self._restoring(u)
+        matrix = (
+            4 / h**2 * self._mass
+            + 2 / h * _tangent(self._damping, v, speed + h)
+            + _tangent(self._restoring, u, size + h * h)
+        )
+        correction = np.linalg.solve(matrix, residual)
+        return correction, bool(np.abs(correction).max() <= _CONVERGED * size)
+
+    def _make_step(self, forces: Reals, h: float) -> None:
+        increment = self.attempt(forces, h)
+        v, a = end_rates(increment, h, self._v, self._a)
+        self._u, self._v, self._a = self._u + increment, v, a
+        self._t += h
+        if self._on_commit is not None:
+            self._on_commit(self._u.copy())
+
+    def set_rates(self, velocities: Reals, accelerations: Reals) -> None:
+        """Replace the committed rates.
+
+        Parameters
+        ----------
+        velocities : numpy.ndarray, shape (dofs,)
+            Velocities [m/s].
+        accelerations : numpy.ndarray, shape (dofs,)
+            Accelerations [m/s2].
+        """
+        shape = self._u.shape
+        self._v = to_shaped("velocities", velocities, shape)
+        self._a = to_shaped("accelerations", accelerations, shape)
+
+
+def _matrix(name: str, value: object, n: int | None = None) -> Reals:
+    """Return a square matrix; a vector is its diagonal."""
+    array = to_shaped(name, value)
+    square = np.diag(array) if array.ndim == 1 else array
+    if square.ndim != 2 or not square.size or len({*square.shape, n or len(square)}) > 1:
+        size = "(dofs, dofs)" if n is None else f"({n}, {n})"
+        raise InputError(f"{name}: has the shape {array.shape}: must have {size}")
+    return square
+
+
+def _forces(name: str, value: object, n: int) -> Callable[[Reals], Reals]:
+    """Return a function for forces."""
+    if not callable(value):
+        return _Linear(_matrix(name, value, n))
+
+    def compute(at: Reals) -> Reals:
+        return to_array(name, value(at.copy()), least=n)
+
+    return compute
+
+
+class _Linear:
+    """Forces by a matrix."""
+
+    def __init__(self, matrix: Reals) -> None:
+        self.matrix = matrix
+
+    def __call__(self, at: Reals) -> Reals:
+        return np.asarray(self.matrix @ at)
+
+
+def _tangent(forces: Callable[[Reals], Reals], at: Reals, size: float) -> Reals:
+    """Return the derivative of forces: of a function by differences."""
+    if isinstance(forces, _Linear):
+        return forces.matrix
+    step = _DIFFERENCE * size
+    here = forces(at)
+    columns = [(forces(at + step * unit) - here) / step for unit in np.eye(len(at))]
+    return np.array(columns).T

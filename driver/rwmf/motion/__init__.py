@@ -1,0 +1,1 @@
+"""Ground motions: records and their formats, intensities, suites, selection."""

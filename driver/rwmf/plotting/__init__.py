@@ -1,1 +1,0 @@
-"""Figures; `rwmf.plot` exports the public functions."""

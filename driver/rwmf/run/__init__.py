@@ -1,0 +1,1 @@
+"""One case: run, spectrum, static curve, their quantities and checks."""

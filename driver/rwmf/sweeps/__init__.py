@@ -1,0 +1,1 @@
+"""Many runs in chunks, on threads or any executor, into one labelled dataset."""

@@ -1,0 +1,409 @@
+"""Sweeps: planning, computation, storage and assembly; merging of parts, also as CSV."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypedDict
+
+import xarray as xr
+
+from rwmf.case import CaseLike, Motion
+from rwmf.case.arguments import checked, path_of
+from rwmf.case.namelist import read_text
+from rwmf.errors import InputError, Interrupted, OutputError
+from rwmf.kernel import files
+from rwmf.kernel.progress import Progress, Reports, reporting
+from rwmf.motion.record_sets import RecordFile
+from rwmf.run.quantities import ORDINATES as QUANTITIES
+from rwmf.sweeps import netcdf
+from rwmf.sweeps.axes import Layout, difference
+from rwmf.sweeps.chunk_store import ChunkStore, read_layout
+from rwmf.sweeps.executors import count_threads, run_in_threads, run_on
+from rwmf.sweeps.plan import Chunk, Plan, Request, make_plan
+from rwmf.sweeps.points import Points
+
+# line below the version, written by rwmf-batch --part
+_PART = re.compile(r"# part (\d{1,9})/(\d{1,9})$")
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One file: its number, the lines common to all parts, its lines of numbers."""
+
+    path: str
+    k: int
+    n: int
+    head: tuple[str, ...]
+    rows: tuple[str, ...]
+
+
+def merge_csv(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str]) -> None:
+    """Join the parts of a spectrum into the file of an undivided run, byte for byte."""
+    found = sorted((_read(os.fspath(path)) for path in parts), key=lambda part: part.k)
+    first = found[0]
+    for part in found:
+        if (part.n, part.head) != (first.n, first.head):
+            raise InputError(f"{part.path}: is not a part of the same case as {first.path}")
+    if [part.k for part in found] != list(range(1, first.n + 1)):
+        given = ", ".join(str(part.k) for part in found)
+        raise InputError(f"merge: needs the parts 1 to {first.n} once each, has {given}")
+    text = "".join([*first.head, *_interleave(found)])
+    files.check_outputs([file], parts)
+    files.write_bytes(file, text.encode("utf-8", "surrogateescape"))
+
+
+def _read(path: str) -> _Part:
+    lines = [f"{line}\n" for line in read_text(path).removesuffix("\n").split("\n")]
+    marks = [i for i, line in enumerate(lines) if _PART.match(line.rstrip("\n"))]
+    if len(marks) != 1:
+        raise InputError(f"{path}: is not written by rwmf-batch --part K/N")
+    match = _PART.match(lines.pop(marks[0]).rstrip("\n"))
+    heads = [i for i, line in enumerate(lines) if not line.startswith("#")]
+    start = heads[0] + 1 if heads else len(lines)
+    k, n = (int(word) for word in match.groups()) if match else (0, 0)
+    return _Part(path, k, n, tuple(lines[:start]), tuple(lines[start:]))
+
+
+def _interleave(parts: list[_Part]) -> list[str]:
+    """Return the rows of an undivided run: periods were dealt to the parts in turn."""
+    curves = [_curves(part) for part in parts]
+    if len({len(found) for found in curves}) > 1:
+        raise InputError("merge: the parts do not have the same mass ratios and widths")
+    rows: list[str] = []
+    for same in zip(*curves, strict=True):
+        # the first parts may have one period more
+        for turn in range(len(same[0])):
+            rows += [curve[turn] for curve in same if turn < len(curve)]
+    return rows
+
+
+def _curves(part: _Part) -> list[list[str]]:
+    """Return the rows grouped by width and mass ratio, the columns before the period."""
+    names = part.head[-1].rstrip("\n").split(",")
+    n = names.index("T_s_s") if "T_s_s" in names else 0
+    curves: dict[tuple[str, ...], list[str]] = {}
+    for row in part.rows:
+        curves.setdefault(tuple(row.split(",")[:n]), []).append(row)
+    return list(curves.values())
+
+
+class RunOptions(TypedDict, total=False):
+    """Arguments of `sweep` on the execution of its runs, which studies pass on.
+
+    Attributes
+    ----------
+    threads : int
+        Threads, 0 for all.
+    executor : concurrent.futures.Executor, optional
+        Processes, MPI ranks or Dask workers instead of threads.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all runs.
+    chunk : int
+        Largest number of runs in a chunk, 0 for the default.
+    """
+
+    threads: int
+    executor: Executor | None
+    progress: Reports
+    chunk: int
+
+
+class SweepOptions(RunOptions, total=False):
+    """Arguments of `sweep` that studies pass on, including those on reading records.
+
+    Attributes
+    ----------
+    unit : str, optional
+        Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval of records of one column [s].
+    """
+
+    unit: str | None
+    dt: float | None
+
+
+@checked
+def sweep(
+    case: CaseLike,
+    grid: Mapping[str, object] | None = None,
+    records: Sequence[str | os.PathLike[str] | RecordFile | Motion] = (),
+    file: str | os.PathLike[str] | None = None,
+    *,
+    points: Points | None = None,
+    quantities: Sequence[str] | None = None,
+    threads: int = 0,
+    executor: Executor | None = None,
+    progress: Reports = None,
+    restart: bool = False,
+    part: tuple[int, int] = (1, 1),
+    chunk: int = 0,
+    unit: str | None = None,
+    dt: float | None = None,
+    intensity: str | None = None,
+    period: float | None = None,
+    damping: float | None = None,
+    periods: Sequence[float] | None = None,
+) -> xr.Dataset:
+    """Compute the runs of all combinations of records, table rows and grid values.
+
+    Parameters
+    ----------
+    case : Case or path
+        Settings common to all runs; the values of its `&spectrum` are part of the grid.
+    grid : mapping, optional
+        Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on the
+        motion) or ``eta`` (pairs eta_0, eta_alpha). Any key of the case is an axis as well (``e``,
+        ``formulation``, ``frame.xi_s``).
+    records : sequence of str, path or Motion, optional
+        Ground motions that replace the case's, see `find_records`; each run lasts to the last
+        sample unless ``t_end`` is in the grid.
+    file : str or path, optional
+        NetCDF file to write. Finished chunks are kept beside it until it is complete: repeating the
+        call continues an interrupted sweep and gives the same bytes.
+    points : mapping, pandas.DataFrame, xarray.Dataset, structured array, str or path, optional
+        Table whose rows are runs with individual numbers, or the CSV or NetCDF file that contains
+        it. Its columns have the names of grid axes; ``record`` holds names or paths of records.
+        They become coordinates along the dimension ``point``.
+    quantities : sequence of str, optional
+        Quantities stored for each run; the default is ``u_s_max``, or ``theta_max_over_alpha`` for
+        a wall without a frame.
+    threads : int
+        Threads, 0 for all; ignored with an executor. The result does not depend on it.
+    executor : concurrent.futures.Executor, optional
+        Alternative engine: processes, MPI ranks, Dask workers.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all runs.
+    restart : bool
+        Discard an earlier sweep in `file`; other files are not replaced.
+    part : (int, int)
+        (K, N): only the K-th of N parts of the chunks, for a later `merge`; requires `file`.
+    chunk : int
+        Largest number of runs in a chunk, 0 for the default.
+    unit : str, optional
+        Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval of records of one column [s].
+    intensity : str, optional
+        A kind of `rwmf.records.intensity`. Each record is scaled to an intensity of one, so that
+        the values of ``scale`` are intensities: accelerations in g, others in SI units.
+    period, damping : float, optional
+        Period [s] and damping ratio [-] of a ``pseudo_acceleration``; otherwise those of the frame.
+        Both are required where the runs differ in the structure (period, mass ratio, storeys,
+        wall), because each record has one factor for all runs.
+    periods : sequence of float, optional
+        Periods of an ``average_acceleration`` [s].
+
+    Returns
+    -------
+    xarray.Dataset
+        The quantities and ``status`` (numbers, named in its ``flag_meanings``) over all axes. The
+        attribute ``warnings`` lists conservation laws that some runs violate. With a file the
+        dataset is opened from it; for a part it has attributes only.
+
+    Raises
+    ------
+    InputError
+        When an argument is not acceptable, or when `file` is an input of the sweep or holds
+        another.
+    OutputError
+        When the file cannot be written.
+    Interrupted
+        After Ctrl-C.
+    """
+    options = (intensity, period, damping, periods)
+    request = Request(case, grid, records, points, quantities, chunk, unit, dt, *options)
+    with reporting(progress) as report:
+        work = _Work(make_plan(request), threads, executor, report, part)
+        if file is not None:
+            return _sweep_to_file(work, Path(file), restart)
+        _check_part(part, in_memory=True)
+        chunks = {chunk.number: chunk for chunk in work.run(set())}
+    return _to_dataset(work.plan.layout, chunks.__getitem__)
+
+
+class _Work:
+    """Chunks of a plan for one call, with progress reports."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        threads: int,
+        executor: Executor | None,
+        progress: Progress | None,
+        part: tuple[int, int],
+    ) -> None:
+        _check_part(part)
+        self.plan = plan
+        self.part = part
+        # the owner of an executor chooses the number of its workers
+        self._threads = count_threads(threads) if executor is None else 0
+        self._executor = executor
+        self._progress = progress
+        k, n = part
+        self._numbers = range(k - 1, plan.layout.n_chunks, n)
+
+    def run(self, done: set[int]) -> Iterator[Chunk]:
+        """Compute the missing chunks."""
+        layout = self.plan.layout
+        sizes = {number: layout.chunk_size(number) for number in self._numbers}
+        total = sum(sizes.values())
+        finished = sum(sizes[number] for number in done if number in sizes)
+        missing = [number for number in self._numbers if number not in done]
+
+        def report_progress(unfinished: int = 0) -> None:
+            if self._progress is not None:
+                self._progress(finished + unfinished, total)
+
+        report_progress()
+        if self._executor is None:
+            chunks = run_in_threads(self.plan.task, missing, self._threads, report_progress)
+        else:
+            chunks = run_on(self._executor, (self.plan.task(number) for number in missing))
+        for result in chunks:
+            finished += sizes[result.number]
+            yield result
+            report_progress()
+
+
+def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
+    netcdf.check_package()
+    store_path = path_of_store(path, work.part)
+    files.check_outputs([path, store_path], work.plan.inputs)
+    if not files.is_regular_or_new(path):
+        raise InputError(f"{path}: a sweep is read again, it needs a regular file")
+    layout = work.plan.layout
+    if path.exists():
+        if not restart:
+            _check_same(path, layout)
+            if work.part[1] == 1:
+                _drop_store(store_path, layout)
+            return open_result(path)
+        # discard nothing but a sweep
+        netcdf.read_identity(path)
+    with ChunkStore(store_path, layout, restart=restart) as store:
+        if restart:
+            files.remove(path)
+        done = {number for number in range(layout.n_chunks) if number in store}
+        try:
+            for result in work.run(done):
+                store.add(result)
+        except KeyboardInterrupt as error:
+            raise Interrupted(
+                f"{len(store)} of {layout.n_chunks} chunks are kept in {store_path}; the same "
+                "command continues"
+            ) from error
+        if work.part[1] > 1:
+            return xr.Dataset(attrs=netcdf.attributes(layout))
+        netcdf.write(layout, store.get, path)
+        # rename while locked, so that another process finds the complete file
+        files.remove(store_path)
+    return open_result(path)
+
+
+def _drop_store(path: Path, layout: Layout) -> None:
+    """Remove the store of a run that was killed after completing its file."""
+    if path.exists():
+        # keep the store of another sweep or of a running one
+        with contextlib.suppress(InputError, OutputError), ChunkStore(path, layout):
+            files.remove(path)
+
+
+def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
+    """Return the path of the store for the chunks of a sweep or of one part."""
+    suffix = "" if part[1] == 1 else f".part-{part[0]}-of-{part[1]}"
+    return path.with_name(f"{path.name}{suffix}.journal")
+
+
+@checked
+def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str]) -> xr.Dataset:
+    """Join the parts of a sweep into the same file as an undivided one.
+
+    Parameters
+    ----------
+    parts : sequence of str or path
+        Journals of all parts.
+    file : str or path
+        NetCDF file to write.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dataset opened from the file.
+
+    Raises
+    ------
+    InputError
+        When a part is missing, or when the parts are not of one sweep.
+    OutputError
+        When the file cannot be written.
+    """
+    netcdf.check_package()
+    parts = [path_of("parts", part) for part in parts]
+    files.check_outputs([file], parts)
+    if not parts:
+        raise InputError("parts: the list is empty")
+    layout = read_layout(Path(parts[0]))
+    stores: list[ChunkStore] = []
+    try:
+        for name in parts:
+            if not Path(name).is_file():
+                raise InputError(f"{name}: the file does not exist")
+            stores.append(ChunkStore(Path(name), layout))
+        owner = {n: item for item in stores for n in range(layout.n_chunks) if n in item}
+        if len(owner) < layout.n_chunks:
+            missing = layout.n_chunks - len(owner)
+            raise InputError(
+                f"{missing} of {layout.n_chunks} chunks are in none of the parts: a part is "
+                "missing or has not finished"
+            )
+        netcdf.write(layout, lambda number: owner[number].get(number), Path(file))
+    finally:
+        for item in stores:
+            item.close()
+    return open_result(Path(file))
+
+
+def open_result(path: Path) -> xr.Dataset:
+    """Open the file of a sweep."""
+    return xr.open_dataset(path, engine="h5netcdf")
+
+
+def _check_same(path: Path, layout: Layout) -> None:
+    old, new = netcdf.read_identity(path), layout.to_text()
+    if old != new:
+        raise InputError(
+            f"{path}: holds another sweep (-), not this one (+):\n{difference(old, new)}\n"
+            "restart to discard it, or write to another file"
+        )
+
+
+def _check_part(part: tuple[int, int], *, in_memory: bool = False) -> None:
+    k, n = part
+    if not 1 <= k <= n:
+        raise InputError(f"part {k}/{n}: K/N needs 1 <= K <= N")
+    if in_memory and n > 1:
+        raise InputError(f"part {k}/{n}: a part needs a file to keep its chunks")
+
+
+def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
+    """Label a sweep in memory as if xarray had read it from a file."""
+    names = netcdf.status_names(layout, source)
+    arrays = netcdf.assemble(layout, source, names)
+    dataset = xr.Dataset(attrs=netcdf.attributes(layout))
+    for item in layout.coordinates:
+        labels = {"units": item.unit} if item.unit else {}
+        labels["long_name"] = item.meaning
+        dataset.coords[item.name] = (item.dimension, layout.labels(item), labels)
+    for name in layout.quantities:
+        dataset[name] = (layout.dims, arrays[name], QUANTITIES[name].attributes)
+    dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
+    return dataset
