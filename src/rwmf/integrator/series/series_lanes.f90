@@ -4,6 +4,7 @@
 !> prevent vectorisation.
 module rwmf_integrator_series_series_lanes
    use rwmf_core_kinds, only: wp
+   use rwmf_model_lanes, only: rise_coefficients
    implicit none
    private
 
@@ -101,6 +102,10 @@ module rwmf_integrator_series_series_lanes
       !! mass of the frame excited by the ground motion over the moving mass [-]
       real(wp) :: straight(series_width, 4)
       !! straight cable: force at zero elongation [1/(m s2)], its slope [1/(m2 s2)], h [m], b [m]
+      real(wp) :: rise(series_width, rise_coefficients, 2)
+      !! by side: factors of cos(phi), sin(phi), sin(2 phi), cos(2 phi) in the moment of restraints
+      !! and couplings [1/s2]; then of phi', phi' cos(2 phi) and -phi' sin(2 phi) [1/s]
+      logical :: has_rises = .false.
       logical :: has_fuses = .false.
       logical :: has_inerter = .false.
       logical :: has_straight_cable = .false.

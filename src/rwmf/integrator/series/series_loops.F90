@@ -19,7 +19,7 @@ module rwmf_integrator_series_series_loops
 #endif
    integer, parameter :: order = SERIES_ORDER
    !! of the series
-   integer, parameter :: plain = 0, with_effects = 1, with_curves = 2
+   integer, parameter :: plain = 0, with_effects = 1, with_curves = 2, with_rises = 3
    !! terms of the equation of motion
 
 contains
@@ -38,6 +38,8 @@ contains
          call expand(plain, lanes)
       else if (lanes%has_curves) then
          call expand(with_curves, lanes)
+      else if (lanes%has_rises) then
+         call expand(with_rises, lanes)
       else
          call expand(with_effects, lanes)
       end if
@@ -49,25 +51,28 @@ contains
    !> prevent vectorisation.
    pure subroutine expand(terms, lanes)
       integer, intent(in), value :: terms
-      !! `plain`, `with_effects`, or effects `with_curves` of the ground motion
+      !! `plain`, `with_effects`, effects `with_curves` of the ground motion or `with_rises`
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), dimension(0:order) :: p, v, sp, cp, sv, hc, stretch, arm, lever, force
-      real(wp), dimension(0:order) :: curve, of_cosines, of_sines
+      real(wp), dimension(0:order) :: curve, of_cosines, of_sines, s2, c2
       real(wp) :: h, rest, hh, side, ca, sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, &
          cable, slope, fuse, half, corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, &
          inverse, j, jv, q, gamma, of_cosine, of_sine, excited
+      real(wp) :: e, f, of_s2, of_c2, of_v, of_c2v, of_s2v
       integer :: i, k, n
-      logical :: is_plain, has_curves, has_fuses, has_inerter, is_straight
+      logical :: is_plain, has_curves, has_rises, has_fuses, has_inerter, is_straight
 
       is_plain = terms == plain
       has_curves = terms == with_curves
+      has_rises = terms == with_rises
       has_fuses = lanes%has_fuses .and. .not. is_plain
       has_inerter = lanes%has_inerter .and. .not. is_plain
       is_straight = lanes%has_straight_cable .and. .not. is_plain
       !$omp simd private(p, v, sp, cp, sv, hc, stretch, arm, lever, force, h, rest, hh, side, ca) &
       !$omp& private(sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, cable, slope, fuse, half) &
       !$omp& private(corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, inverse, j, jv, q) &
-      !$omp& private(gamma, of_cosine, of_sine, excited, curve, of_cosines, of_sines, k, n)
+      !$omp& private(gamma, of_cosine, of_sine, excited, curve, of_cosines, of_sines, s2, c2, e) &
+      !$omp& private(f, of_s2, of_c2, of_v, of_c2v, of_s2v, k, n)
       do i = 1, series_width
          rest = lanes%limit(i) - lanes%t(i)
          h = lanes%length(i)
@@ -190,6 +195,32 @@ contains
             of_sine = of_sine + d*b2
             of_cosine = of_cosine + d*bh
          end if
+         e = 0
+         f = 0
+         s2(0) = 0
+         c2(0) = 0
+         of_s2 = 0
+         of_c2 = 0
+         of_v = 0
+         of_c2v = 0
+         of_s2v = 0
+         if (has_rises) then
+            s2(0) = 2*sp(0)*cp(0)
+            c2(0) = 1 - 2*sp(0)*sp(0)
+            e = c2(0)*v(0)
+            f = s2(0)*v(0)
+            z = hh*merge(lanes%rise(i, 1, right), lanes%rise(i, 1, left), side > 0)
+            of_cosine = of_cosine + z
+            m = m + z*cp(0)
+            z = hh*merge(lanes%rise(i, 2, right), lanes%rise(i, 2, left), side > 0)
+            of_sine = of_sine + z
+            of_s2 = hh*merge(lanes%rise(i, 3, right), lanes%rise(i, 3, left), side > 0)
+            of_c2 = hh*merge(lanes%rise(i, 4, right), lanes%rise(i, 4, left), side > 0)
+            of_v = h*merge(lanes%rise(i, 5, right), lanes%rise(i, 5, left), side > 0)
+            of_c2v = h*merge(lanes%rise(i, 6, right), lanes%rise(i, 6, left), side > 0)
+            of_s2v = h*merge(lanes%rise(i, 7, right), lanes%rise(i, 7, left), side > 0)
+            m = m + (z*sp(0) + (of_s2*s2(0) + of_c2*c2(0)))
+         end if
          inverse = -1/mass
          w = excited*push + hh*side*lanes%offset(i)
          ramp = excited*ramp
@@ -208,6 +239,7 @@ contains
                      m = m + (of_cosines(k)*cp(n - k) + of_sines(k)*sp(n - k))
                   end do
                end if
+               if (has_rises) m = m + (of_s2*s2(n) + of_c2*c2(n))
                if (has_fuses) m = m + fuse*hc(n)
                if (is_straight) m = m + pull*arm(n)
             end if
@@ -244,6 +276,18 @@ contains
             arm(n + 1) = z
             sv(n) = b
             if (.not. is_plain) m = m + corner*(v(n) + a)
+            if (has_rises) then
+               m = m + (of_v*v(n) + (of_c2v*e - of_s2v*f))
+               s2(n + 1) = e*(2.0_wp/(n + 1))
+               c2(n + 1) = f*(-2.0_wp/(n + 1))
+               e = c2(1)*v(n)
+               f = s2(1)*v(n)
+               !GCC$ unroll 16
+               do k = 2, n + 1
+                  e = e + c2(k)*v(n + 1 - k)
+                  f = f + s2(k)*v(n + 1 - k)
+               end do
+            end if
             d = x*cp(n) + y*sp(n)
             m = m + slope*p(n)
             w = w + (damp*jv + stiff*u)
@@ -277,6 +321,10 @@ contains
             p(n + 2) = q*(1.0_wp/((n + 1)*(n + 2)))
             a = a + cp(0)*v(n + 1)
             b = b + sp(0)*v(n + 1)
+            if (has_rises) then
+               e = e + c2(0)*v(n + 1)
+               f = f + s2(0)*v(n + 1)
+            end if
             jv = jv + j*v(n + 1)
          end do
          !GCC$ unroll 16

@@ -5,12 +5,13 @@ module rwmf_simulation_series_series_batch
    use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
    use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect, storeys_effect, &
       vertical_effect
-   use rwmf_model_elements, only: chord_row, of_fuse
+   use rwmf_model_elements, only: chord_row, of_fuse, of_restraint
    use rwmf_model_equation, only: equation_t, has_elements, has_tendons
    use rwmf_model_lanes, only: chord_coefficients
-   use rwmf_model_scene, only: axis_term, chord_term, frame_term, line_term
+   use rwmf_model_scene, only: axis_term, chord_term, frame_term, line_term, rise_term
    use rwmf_model_stroke, only: along_line
-   use rwmf_motion_ground_motion, only: interval_end, interval_last, is_curved, line_of, line_t, &
+   use rwmf_motion_ground_motion, only: interval_end, interval_last, is_curved, &
+      is_piecewise_linear, line_of, line_t, &
       motion_t, vertical_line_of
    implicit none
    private
@@ -143,6 +144,7 @@ contains
       lanes%fastest = 1
       lanes%top_speed = 1
       lanes%base = 0
+      lanes%rise = 0
       lanes%factor = 1
       lanes%uplift = 1
       lanes%gain = 1
@@ -160,7 +162,7 @@ contains
    pure logical function is_served(equation)
       type(equation_t), intent(in) :: equation
       integer, parameter :: known(*) = [frame_term, axis_term, line_term, chord_term, &
-         inerter_effect, vertical_effect, p_delta_effect, storeys_effect]
+         rise_term, inerter_effect, vertical_effect, p_delta_effect, storeys_effect]
       integer :: i
 
       is_served = equation%has_impacts .and. equation%n == 2 .and. .not. ( &
@@ -168,6 +170,9 @@ contains
       do i = 1, size(equation%scene%terms)
          is_served = is_served .and. any(known == equation%scene%terms(i)%effect)
       end do
+      ! the loop of curved motions has no restraints and couplings
+      if (any(equation%scene%terms%effect == rise_term)) is_served = is_served &
+         .and. is_piecewise_linear(equation%motion)
       if (is_served .and. has_elements(equation)) is_served = serves_elements(equation)
    end function is_served
 
@@ -188,16 +193,18 @@ contains
       end associate
    end function serves_elements
 
-   !> Largest force with which fuses may push the wall up, over m_w [m/s2].
+   !> Largest force with which fuses and restraints may push the wall up, over m_w [m/s2].
    pure real(wp) function push_of(equation) result(push)
       type(equation_t), intent(in) :: equation
       integer :: i
 
       push = 0
       do i = 1, size(equation%elements)
-         if (equation%elements(i)%group /= of_fuse) cycle
-         associate (spring => equation%springs(equation%elements(i)%spring)%spring)
-            push = push + spring%breakaway*spring%yield
+         associate (element => equation%elements(i))
+            if (all(element%group /= [of_fuse, of_restraint]) .or. element%spring == 0) cycle
+            associate (spring => equation%springs(element%spring)%spring)
+               push = push + element%weight*spring%breakaway*spring%yield
+            end associate
          end associate
       end do
    end function push_of

@@ -8,13 +8,13 @@ module rwmf_simulation_series_series_loading
    use rwmf_integrator_series_series_lanes, only: left, most_terms_of_series, right, &
       series_lanes_t, series_width
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
-   use rwmf_model_elements, only: axis_row, chord_row, line_rows
+   use rwmf_model_elements, only: axis_row, chord_row, line_rows, rise_row
    use rwmf_model_drift_limits, only: drift_ratios
    use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect
    use rwmf_model_equation, only: cable_force_at, enter_interval, enter_side, equation_t, &
       frame_displacement, frame_mass, interval_of
    use rwmf_model_hysteresis_spring_set, only: renew_window
-   use rwmf_model_scene, only: axis_term, chord_term, line_term
+   use rwmf_model_scene, only: axis_term, chord_term, line_term, rise_term
    use rwmf_model_system_assembly, only: second_derivative
    use rwmf_model_system_lift_off, only: find_uplift_acceleration
    use rwmf_model_system_rest_after_chatter, only: inverse_inertia
@@ -159,11 +159,13 @@ contains
          lanes%weight_share(i) = equation%uplift%weight_share
          lanes%has_straight_cable = any(equation%scene%terms%effect == line_term)
          lanes%has_fuses = equation%may_hold
+         lanes%has_rises = any(equation%scene%terms%effect == rise_term)
          lanes%has_branches = equation%has_bilinear_springs
          lanes%has_curves = .not. is_piecewise_linear(equation%motion)
          lanes%curve(i, :, :) = 0
          lanes%is_plain = .not. (lanes%has_curves .or. equation%has_vertical &
-            .or. any(equation%scene%terms%effect == chord_term) .or. lanes%has_straight_cable) &
+            .or. any(equation%scene%terms%effect == chord_term) .or. lanes%has_rises &
+            .or. lanes%has_straight_cable) &
             .and. abs(lanes%excited(i) - 1) <= 0
          do m = 1, size(equation%scene%terms)
             associate (coef => equation%state%coef(1, equation%scene%terms(m)%coef))
@@ -220,6 +222,8 @@ contains
                      lanes%fuse_slope(i, m) = 0.5_wp*row(2)
                      lanes%damper(i) = 0.5_wp*row(3)
                   end associate
+               case (rise_term)
+                  lanes%rise(i, :, m) = rise_row(equation%elements, state%springs, side, p%R)
                case default
                   ! loaded with the coefficients that do not change
                end select
