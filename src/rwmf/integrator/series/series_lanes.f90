@@ -9,9 +9,10 @@ module rwmf_integrator_series_series_lanes
    private
 
    public :: series_lanes_t, series_width, most_terms_of_series, left, right
-   public :: demand_terms, motion_terms
+   public :: demand_terms, axial_terms, motion_terms
    public :: of_sine_2, of_cosine_2, of_ground, of_upward, of_sine_1, of_cosine_1, of_sine, &
-      of_cosine, of_phi_sine, of_phi_cosine, of_phi, of_constant
+      of_cosine, of_phi_sine, of_phi_cosine, of_phi, of_rate, of_half_sine, of_half_cosine, &
+      of_inverse, of_sine_over, of_cosine_over, of_constant
 
    integer, parameter :: series_width = 8
    !! number of lanes
@@ -26,10 +27,14 @@ module rwmf_integrator_series_series_lanes
    !! terms of the demands: second derivatives of S = sin(phi) and K = 1 - cos(phi), accelerations
    !! of the ground
    integer, parameter :: of_sine_1 = 5, of_cosine_1 = 6, of_sine = 7, of_cosine = 8, &
-      of_phi_sine = 9, of_phi_cosine = 10, of_phi = 11, of_constant = 12
-   !! first derivatives, values, their products with phi, and phi
-   integer, parameter :: motion_terms = of_upward, demand_terms = of_constant
-   !! number of the terms of accelerations, and of all terms
+      of_phi_sine = 9, of_phi_cosine = 10, of_phi = 11, of_rate = 12
+   !! first derivatives of S and K, their values and products with phi, phi and phi'
+   integer, parameter :: of_half_sine = 13, of_half_cosine = 14, of_inverse = 15, &
+      of_sine_over = 16, of_cosine_over = 17, of_constant = 18
+   !! sine and cosine of phi/2; 1, S and K over the length of a straight tendon [1/m]
+   integer, parameter :: motion_terms = of_upward, axial_terms = of_phi, demand_terms = of_constant
+   !! number of the terms of accelerations, of drifts and forces without devices and straight
+   !! tendons, and of all terms
 
    !> Lanes that step together.
    type :: series_lanes_t
@@ -153,8 +158,8 @@ module rwmf_integrator_series_series_lanes
       real(wp) :: base(series_width, 0:most_terms_of_series - 2, demand_terms - 1)
       !! series of the terms in the time over the length h [m/s2] for the ground, else [rad] and its
       !! rates
-      logical :: needs_all_terms = .false.
-      !! a demand has other terms than accelerations
+      integer :: terms = motion_terms
+      !! number of the terms of all demands: `motion_terms`, `axial_terms` or `demand_terms` - 1
       ! impacts
       real(wp) :: factor(series_width)
       !! velocity factor e [-]

@@ -4,10 +4,11 @@
 !> unrolls the recurrences and keeps their coefficients in registers.
 module rwmf_integrator_series_series_loops
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_series_series_lanes, only: demand_terms, left, most_terms_of_series, &
-      motion_terms, of_constant, of_cosine, of_cosine_1, of_cosine_2, of_ground, of_phi, &
-      of_phi_cosine, of_phi_sine, of_sine, of_sine_1, of_sine_2, of_upward, right, &
-      series_lanes_t, series_width
+   use rwmf_integrator_series_series_lanes, only: axial_terms, demand_terms, left, &
+      most_terms_of_series, motion_terms, of_constant, of_cosine, of_cosine_1, of_cosine_2, &
+      of_cosine_over, of_ground, of_half_cosine, of_half_sine, of_inverse, of_phi, &
+      of_phi_cosine, of_phi_sine, of_rate, of_sine, of_sine_1, of_sine_2, of_sine_over, &
+      of_upward, right, series_lanes_t, series_width
    use rwmf_model_lanes, only: lane_cosine => cosine, lane_sine => sine
    implicit none
    private
@@ -358,31 +359,37 @@ contains
       integer :: q
 
       ! the compiler makes a copy of each loop for each constant
-      if (lanes%needs_all_terms) then
-         call expand_terms(.true., lanes)
-      else
-         call expand_terms(.false., lanes)
-      end if
       lanes%may_exceed = 0
-      do q = 1, size(lanes%level, 2)
-         if (lanes%needs_all_terms) then
-            call screen_demand(demand_terms - 1, q, lanes)
-         else
+      select case (lanes%terms)
+      case (motion_terms)
+         call expand_terms(motion_terms, lanes)
+         do q = 1, size(lanes%level, 2)
             call screen_demand(motion_terms, q, lanes)
-         end if
-      end do
+         end do
+      case (axial_terms)
+         call expand_terms(axial_terms, lanes)
+         do q = 1, size(lanes%level, 2)
+            call screen_demand(axial_terms, q, lanes)
+         end do
+      case default
+         call expand_terms(demand_terms - 1, lanes)
+         do q = 1, size(lanes%level, 2)
+            call screen_demand(demand_terms - 1, q, lanes)
+         end do
+      end select
       lanes%some_demand = any(lanes%may_exceed > 0)
    end subroutine screen_demands
 
-   !> Compute the series of the terms of all demands, or of accelerations only.
-   pure subroutine expand_terms(needs_all, lanes)
-      logical, intent(in), value :: needs_all
+   !> Compute the series of the terms of the demands.
+   pure subroutine expand_terms(terms, lanes)
+      integer, intent(in), value :: terms
+      !! number of terms
       type(series_lanes_t), intent(inout) :: lanes
-      real(wp), dimension(0:order) :: p, s, c
-      real(wp) :: h, x, y, z, rate
+      real(wp), dimension(0:order) :: p, s, c, hs, hc, l, q
+      real(wp) :: h, x, y, z, rate, b, hb
       integer :: i, k, n
 
-      !$omp simd private(p, s, c, h, x, y, z, rate, k, n)
+      !$omp simd private(p, s, c, hs, hc, l, q, h, x, y, z, rate, b, hb, k, n)
       do i = 1, series_width
          !GCC$ unroll 16
          do k = 0, order
@@ -390,6 +397,8 @@ contains
          end do
          x = lane_sine(0.5_wp*p(0))
          y = lane_cosine(0.5_wp*p(0))
+         hs(0) = x
+         hc(0) = y
          s(0) = 2*x*y
          ! the value 1 - cos(phi) stands apart
          z = 2*x*x
@@ -425,7 +434,7 @@ contains
             lanes%base(i, n, of_sine_2) = ((n + 1)*(n + 2))*(rate*rate)*s(n + 2)
             lanes%base(i, n, of_cosine_2) = ((n + 1)*(n + 2))*(-rate*rate)*c(n + 2)
          end do
-         if (.not. needs_all) cycle
+         if (terms <= motion_terms) cycle
          !GCC$ unroll 16
          do n = 0, order - 2
             lanes%base(i, n, of_sine_1) = (n + 1)*rate*s(n + 1)
@@ -445,6 +454,50 @@ contains
             end do
             lanes%base(i, n, of_phi_sine) = x
             lanes%base(i, n, of_phi_cosine) = y
+         end do
+         if (terms <= axial_terms) cycle
+         ! the squared length of a straight tendon is (2h)**2 + 2 b**2 K + 4 h b S
+         b = lanes%straight(i, 4)
+         hb = 4*lanes%straight(i, 3)*b
+         b = 2*b*b
+         l(0) = sqrt(4*lanes%straight(i, 3)**2 + b*z + hb*s(0))
+         q(0) = 1/l(0)
+         !GCC$ unroll 16
+         do n = 0, order - 2
+            x = 0
+            y = 0
+            !GCC$ unroll 16
+            do k = 0, n
+               x = x + hc(k)*((n + 1 - k)*p(n + 1 - k))
+               y = y + hs(k)*((n + 1 - k)*p(n + 1 - k))
+            end do
+            hs(n + 1) = x*(0.5_wp/(n + 1))
+            hc(n + 1) = y*(-0.5_wp/(n + 1))
+            x = hb*s(n + 1) - b*c(n + 1)
+            !GCC$ unroll 16
+            do k = 1, n
+               x = x - l(k)*l(n + 1 - k)
+            end do
+            l(n + 1) = 0.5_wp*x*q(0)
+            x = 0
+            !GCC$ unroll 16
+            do k = 1, n + 1
+               x = x - l(k)*q(n + 1 - k)
+            end do
+            q(n + 1) = x*q(0)
+            lanes%base(i, n, of_rate) = (n + 1)*rate*p(n + 1)
+            lanes%base(i, n, of_half_sine) = hs(n)
+            lanes%base(i, n, of_half_cosine) = hc(n)
+            lanes%base(i, n, of_inverse) = q(n)
+            x = q(n)*s(0)
+            y = q(n)*z
+            !GCC$ unroll 16
+            do k = 1, n
+               x = x + q(n - k)*s(k)
+               y = y - q(n - k)*c(k)
+            end do
+            lanes%base(i, n, of_sine_over) = x
+            lanes%base(i, n, of_cosine_over) = y
          end do
       end do
    end subroutine expand_terms

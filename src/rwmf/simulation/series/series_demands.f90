@@ -5,14 +5,15 @@
 !> the equation of motion the value.
 module rwmf_simulation_series_series_demands
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_series_series_lanes, only: demand_terms, left, of_constant, of_cosine, &
-      of_cosine_1, of_cosine_2, of_ground, of_phi, of_phi_cosine, of_phi_sine, of_sine, &
-      of_sine_1, of_sine_2, of_upward, right, series_width
+   use rwmf_integrator_series_series_lanes, only: axial_terms, demand_terms, left, motion_terms, &
+      of_constant, of_cosine, of_cosine_1, of_cosine_2, of_cosine_over, of_ground, &
+      of_half_cosine, of_half_sine, of_inverse, of_phi, of_phi_cosine, of_phi_sine, of_rate, &
+      of_sine, of_sine_1, of_sine_2, of_sine_over, of_upward, right, series_width
    use rwmf_math_polynomial_roots, only: evaluate, find_largest
-   use rwmf_model_effects_numbers, only: p_delta_effect, storeys_effect, vertical_effect
-   use rwmf_model_elements, only: axis_row
-   use rwmf_model_equation, only: enter_interval, enter_side, equation_t, interval_of
-   use rwmf_model_scene, only: axis_term, frame_term
+   use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect, storeys_effect
+   use rwmf_model_elements, only: line_of_element
+   use rwmf_model_equation, only: enter_interval, enter_side, equation_t, has_elements, interval_of
+   use rwmf_model_stroke, only: along_axis, along_chord, along_line
    use rwmf_model_system_assembly, only: rates_at
    use rwmf_model_system_reactions_loop, only: demand, low_normal, shear
    use rwmf_motion_ground_motion, only: interval_last
@@ -45,8 +46,8 @@ contains
             serves = .not. (forces%sees_impulses .or. allocated(forces%limit) &
                .or. any(effects == p_delta_effect))
             if (any(forces%leader([low_normal, demand, backward]) > 0)) serves = serves &
-               .and. .not. equation%has_bilinear_springs .and. all(effects == frame_term &
-               .or. effects == axis_term .or. effects == vertical_effect)
+               .and. equation%walls == 1 .and. .not. any(effects == inerter_effect &
+               .or. effects == storeys_effect)
          end associate
       end if
       if (.not. (serves .and. allocated(recorder%demands))) return
@@ -60,8 +61,9 @@ contains
    end function serves_demands
 
    !> List the demands that the runs of a batch record, if any.
-   pure subroutine list_demands(recorder, batch)
+   pure subroutine list_demands(recorder, equation, batch)
       type(recorder_t), intent(in) :: recorder
+      type(equation_t), intent(in) :: equation
       !! of its first run
       type(series_batch_t), intent(inout) :: batch
       integer :: q
@@ -72,13 +74,18 @@ contains
             if (recorder%forces%leader(q) == q) batch%demands = [batch%demands, q]
          end do
       end if
-      batch%lanes%needs_all_terms = any(batch%demands /= shear)
+      batch%lanes%terms = motion_terms
+      if (any(batch%demands /= shear)) batch%lanes%terms = axial_terms
+      if (any(batch%demands /= shear) .and. has_elements(equation)) then
+         if (any(equation%elements%stroke%kind == along_line &
+            .or. equation%elements%stroke%kind == along_chord)) batch%lanes%terms = demand_terms - 1
+      end if
       if (allocated(recorder%demands)) then
          associate (leader => recorder%demands%leader, drifts => recorder%demands%building%drifts)
             do q = 1, size(leader)
                if (leader(q) == q) batch%demands = [batch%demands, backward + q]
             end do
-            batch%lanes%needs_all_terms = batch%lanes%needs_all_terms .or. any(leader(:drifts) > 0)
+            if (any(leader(:drifts) > 0)) batch%lanes%terms = max(batch%lanes%terms, axial_terms)
          end associate
       end if
       associate (n => size(batch%demands))
@@ -123,7 +130,7 @@ contains
       integer, intent(in) :: side
       !! +1 or -1
       real(wp) :: sums(demand_terms, of_frame)
-      real(wp) :: u(2), tendon(4)
+      real(wp) :: u(2)
 
       sums = 0
       associate (p => equation%p, geometry => equation%geometry, floors => equation%floors)
@@ -144,17 +151,66 @@ contains
                of_cosine_2, of_ground], of_horizontal) + p%gamma*[u, floors%excited_mass_ratio]
             sums([of_sine_1, of_cosine_1], of_horizontal) = p%gamma*p%two_xi_omega*u
             sums([of_sine, of_cosine], of_horizontal) = p%gamma*equation%state%frame_slope*u
+            sums(of_constant, of_horizontal) = p%gamma*equation%state%frame_offset
          end if
-         if (.not. any(equation%scene%terms%effect == axis_term)) return
-         ! the tendon pulls along the axis of the wall
-         tendon = axis_row(equation%elements, equation%state%springs, side, p%R)
-         sums([of_sine, of_phi_sine], of_horizontal) = sums([of_sine, of_phi_sine], &
-            of_horizontal) + side*tendon(3:4)
-         sums([of_constant, of_cosine, of_phi, of_phi_cosine], of_normal) = sums([of_constant, &
-            of_cosine, of_phi, of_phi_cosine], of_normal) + [tendon(3), -tendon(3), tendon(4), &
-            -tendon(4)]
       end associate
+      if (has_elements(equation)) call add_elements(equation, side, sums(:, of_horizontal), &
+         sums(:, of_normal))
    end function sums_of_terms
+
+   !> Add the forces of the vertical elements to the factors of both forces of the pivot.
+   pure subroutine add_elements(equation, side, horizontal, normal)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), dimension(demand_terms), intent(inout) :: horizontal, normal
+      real(wp) :: line(2)
+      integer :: i
+
+      do i = 1, size(equation%elements)
+         associate (element => equation%elements(i), a => equation%elements(i)%stroke%arm(side), &
+                    z => equation%elements(i)%stroke%height, c => equation%elements(i)%c)
+            line = line_of_element(element, equation%state%springs)
+            if (element%is_signed) line(2) = side*line(2)
+            select case (element%stroke%kind)
+            case (along_axis)
+               call add(horizontal, [of_sine, of_phi_sine], side*[line(1), a*line(2)])
+               call add(normal, [of_constant, of_phi], [line(1), a*line(2)])
+               call add(normal, [of_cosine, of_phi_cosine], -[line(1), a*line(2)])
+            case (along_line)
+               ! the force over the length is a constant and a part over the length
+               line(1) = line(1) - line(2)*z
+               call add(horizontal, [of_sine, of_cosine, of_sine_over, of_cosine_over], &
+                  side*[line(2)*z, line(2)*a, line(1)*z, line(1)*a])
+               call add(normal, [of_constant, of_sine, of_cosine], line(2)*[z, a, -z])
+               call add(normal, [of_inverse, of_sine_over, of_cosine_over], line(1)*[z, a, -z])
+            case (along_chord)
+               if (abs(a) <= 0) then
+                  call add(normal, [of_constant], line(:1))
+                  cycle
+               end if
+               call add(horizontal, [of_half_sine, of_cosine, of_cosine_1], side*[line(1), &
+                  a*line(2), a*c/2])
+               call add(normal, [of_half_cosine, of_sine, of_rate, of_sine_1], [line(1), &
+                  a*line(2), a*c/2, a*c/2])
+            case default
+               call add(normal, [of_constant, of_sine, of_cosine, of_sine_1, of_cosine_1], &
+                  element%weight*[line(1), line(2)*a, -line(2)*z, c*a, -c*z])
+            end select
+         end associate
+      end do
+
+   contains
+
+      !> Add factors of some terms.
+      pure subroutine add(factors, terms, more)
+         real(wp), intent(inout) :: factors(demand_terms)
+         integer, intent(in) :: terms(:)
+         real(wp), intent(in) :: more(:)
+
+         factors(terms) = factors(terms) + more
+      end subroutine add
+   end subroutine add_elements
 
    !> Row of a drift of the lowest storey or of a floor's acceleration.
    pure function building_row(lane, q, frame, side) result(row)

@@ -78,7 +78,8 @@ contains
          lanes%impacts(i) = 0
          lanes%steps(i) = 0
       end associate
-      if (.not. allocated(batch%demands)) call list_demands(lane%recorder, batch)
+      if (.not. allocated(batch%demands)) call list_demands(lane%recorder, &
+         lane%equation, batch)
       call enter_series(lane, i, batch)
    end subroutine join_series
 
@@ -267,10 +268,13 @@ contains
       type(series_batch_t), intent(inout) :: batch
       real(wp), parameter :: near(2) = [1.0e-17_wp, 1.0e-13_wp]
       !! round-off of the ends of a window, absolute [rad] and relative [-]
+      logical, allocatable :: has_turned(:)
       real(wp) :: ahead
       integer :: k, m, side
 
       associate (lanes => batch%lanes, equation => lane%equation, state => lane%equation%state)
+         ! the strokes that have turned on the present side
+         if (allocated(state%is_beyond)) has_turned = state%is_beyond
          call find_uplift_acceleration(equation%model_t, state, lane%hybrid%y)
          call load_branches(equation, i, batch)
          side = state%side
@@ -278,6 +282,7 @@ contains
          do k = 1, 2
             state%side = -state%side
             m = (3 + state%side)/2
+            if (allocated(has_turned)) state%is_beyond = has_turned .and. k == 2
             call renew_window(equation%model_t, state)
             lanes%upper(i, m) = min(batch%last(i, m), merge(state%high, -state%low, state%side > 0))
             lanes%lower(i) = max(0.0_wp, merge(state%low, -state%high, state%side > 0))
