@@ -26,7 +26,7 @@ RTOL = 1e-7
 _BY_SERIES = ("rows", "spectrum", "sweep", "C")
 # forces and demands that the series know
 _OF_SERIES = re.compile(
-    "(t_)?(base_shear|pivot_normal_min|friction_demand_max|shear_key|floor_(\\d+_)?acceleration"
+    "(t_)?(base_shear|pivot_normal_(min|max)|link_|friction_demand_max|shear_key|floor_(\\d+_)?acceleration"
     "|storey_|roof_|wall_drift|frame_drift|tendon_)|pivot_lifts"
 )
 FAMILIES = (combination, further_combination, spectrum_combination)

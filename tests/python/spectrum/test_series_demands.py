@@ -11,9 +11,7 @@ _FRAME = "&frame T_s = 1.0, gamma = 4.0, xi_s = 0.03 /\n"
 _PULSE = "&motion kind = 'one_cosine', a_max_g = 0.6, omega_p = 7.0 /\n"
 _AXIS = "&cable eta_0 = 0.4, eta_alpha = 1.9, law = 'linear' /\n"
 _LINE = "&cable eta_0 = 0.4, eta_alpha = 1.9, law = 'truss' /\n"
-_DEVICES = (
-    "&fuse eta_y = 0.12, stroke_y = 0.004, hardening = 0.04 /\n&damper c_over_m_w = 0.4 /\n"
-)
+_DEVICES = "&fuse eta_y = 0.12, stroke_y = 0.004, hardening = 0.04 /\n&damper c_over_m_w = 0.4 /\n"
 _RESTRAINT = (
     "&restraint offset = -0.9 0.9, height = 8.0, eta_y = 0.05, stroke_y = 0.004,"
     " hardening = 0.1 /\n"
@@ -36,6 +34,7 @@ _SCENES = {
 _KEYS = (
     "base_shear_max_over_weight", "pivot_normal_min_over_m_w_g", "friction_demand_max",
     "shear_key_force_max_over_m_w_g", "floor_acceleration_max_g", "storey_drift_max",
+    "pivot_normal_max_over_m_w_g", "link_1_force_max_over_m_w_g", "link_2_force_max_over_m_w_g",
 )  # fmt: skip
 _RTOL = 1e-8
 _TIMES = (0.0, 0.1, 0.25, 0.4, 0.5, 0.7, 1.2, 1.9, 2.5, 3.0)

@@ -18,7 +18,7 @@ module rwmf_simulation_recorder_force_envelopes
       reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, velocities_at_knots, velocity
-   use rwmf_problem_case, only: case_t, has_numbers, numbers_of
+   use rwmf_problem_case, only: case_t, has_numbers, numbers_of, output_t, seeks
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_first_change, only: stop_at_change
    use rwmf_simulation_events_step_view, only: step_view_t
@@ -33,7 +33,7 @@ module rwmf_simulation_recorder_force_envelopes
 
    public :: envelope_recorder_t, create_envelopes, observe_envelopes
    public :: put_envelopes, put_envelope_extremes
-   public :: place_sections, lay_strip, find_sections, put_strip
+   public :: place_sections, lay_strip, find_sections, put_strip, of_series
 
    integer, parameter :: of_normal = 1
    !! places of the quantities after the velocities of the floors; normal force of the pivot
@@ -73,6 +73,8 @@ module rwmf_simulation_recorder_force_envelopes
       !! numbers of the vertical elements with own outputs
       real(wp), allocatable :: travel(:)
       !! (these elements) sum of strokes [m]
+      logical :: sums_strokes = .true.
+      !! these sums are requested
       integer :: n_links = 0
       !! number of link forces
       type(strip_t), allocatable :: strip
@@ -129,7 +131,57 @@ contains
             end do
          end associate
       end associate
+      call drop_others(recorder, case%output)
    end subroutine create_envelopes
+
+   !> Drop the searches that serve no requested quantity.
+   pure subroutine drop_others(recorder, output)
+      type(envelope_recorder_t), intent(inout) :: recorder
+      !! of a scene with a wall
+      type(output_t), intent(in) :: output
+      logical :: is_requested(size(recorder%leader)), serves(size(recorder%leader))
+      integer :: q
+
+      recorder%sums_strokes = seeks(output, [id%fuse_stroke_sum_m, id%fuse_i_stroke_sum_m, &
+         id%restraint_i_stroke_sum_m, id%coupling_stroke_sum_m])
+      ! forces of the vertical elements
+      is_requested = seeks(output, [id%fuse_i_force_max_over_m_w_g, &
+         id%restraint_i_force_max_over_m_w_g, id%coupling_force_max_over_m_w_g, &
+         id%cable_i_force_max_over_m_w_g, id%cable_i_force_min_over_m_w_g])
+      associate (n => recorder%building%floors)
+         is_requested(:n) = seeks(output, [id%floor_i_velocity_max_m_s])
+         is_requested(n + of_normal) = seeks(output, [id%pivot_normal_max_over_m_w_g])
+         is_requested(n + of_base:n + of_middle - 1) = seeks(output, &
+            [id%wall_shear_base_max_over_m_w_g, id%wall_moment_base_max_over_m_w_g_m])
+         is_requested(n + of_middle:n + of_sections) = seeks(output, &
+            [id%wall_shear_mid_max_over_m_w_g, id%wall_moment_mid_max_over_m_w_g_m])
+         associate (last => n + of_sections + per_floor*n)
+            is_requested(n + of_sections + 1:last) = seeks(output, &
+               [id%wall_shear_i_max_over_m_w_g, id%wall_shear_i_above_max_over_m_w_g, &
+               id%wall_moment_i_max_over_m_w_g_m, id%wall_moment_i_above_max_over_m_w_g_m])
+            is_requested(last + 1:last + recorder%n_links) = seeks(output, &
+               [id%link_i_force_max_over_m_w_g])
+            if (allocated(recorder%strip)) is_requested(last + recorder%n_links + 1:last &
+               + recorder%n_links + of_strip) = seeks(output, [id%contact_length_min_m, &
+               id%toe_stress_max_Pa, id%toe_strain_max])
+         end associate
+      end associate
+      serves = [(any(is_requested .and. recorder%leader == q), q=1, size(serves))]
+      where (.not. is_requested .and. .not. serves) recorder%leader = 0
+   end subroutine drop_others
+
+   !> Numbers of the quantities whose values are sums of series: the normal force of the pivot, and
+   !> with a frame the force of its link.
+   pure function of_series(recorder) result(numbers)
+      type(envelope_recorder_t), intent(in) :: recorder
+      !! of a scene with a wall, whose frame has one link
+      integer :: numbers(1 + recorder%n_links)
+
+      associate (n => recorder%building%floors)
+         numbers = n + of_sections + per_floor*n + recorder%n_links
+         numbers(1) = n + of_normal
+      end associate
+   end function of_series
 
    !> Compute the heights of the sections, in ascending order.
    subroutine place_sections(recorder, equation)
@@ -334,9 +386,8 @@ contains
       !! the integrator fails
 
       call search_piece(recorder, piece, states, error)
-      if (.not. allocated(error) .and. size(recorder%watched) > 0) call follow_elements(recorder, &
-         piece, &
-         error)
+      if (allocated(error) .or. .not. recorder%sums_strokes) return
+      if (size(recorder%watched) > 0) call follow_elements(recorder, piece, error)
    end subroutine observe_envelopes
 
    !> Add the travel of the elements over a piece, with every turning point of the rotation.

@@ -10,7 +10,7 @@ module rwmf_simulation_series_series_demands
       of_half_cosine, of_half_sine, of_inverse, of_phi, of_phi_cosine, of_phi_sine, of_rate, &
       of_sine, of_sine_1, of_sine_2, of_sine_over, of_upward, right, series_width
    use rwmf_math_polynomial_roots, only: evaluate, find_largest
-   use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect, storeys_effect
+   use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect
    use rwmf_model_elements, only: line_of_element
    use rwmf_model_equation, only: enter_interval, enter_side, equation_t, has_elements, interval_of
    use rwmf_model_stroke, only: along_axis, along_chord, along_line
@@ -18,6 +18,7 @@ module rwmf_simulation_series_series_demands
    use rwmf_model_system_reactions_loop, only: demand, low_normal, shear
    use rwmf_motion_ground_motion, only: interval_last
    use rwmf_simulation_lanes_batch, only: lane_state_t
+   use rwmf_simulation_recorder_force_envelopes, only: of_series
    use rwmf_simulation_recorder_peak_search, only: has_search, search_state
    use rwmf_simulation_recorder_reaction_extremes, only: backward
    use rwmf_simulation_recorder_recorder, only: recorder_t
@@ -27,9 +28,11 @@ module rwmf_simulation_series_series_demands
 
    public :: serves_demands, list_demands, load_demands, search_demands, follow_lane
 
-   integer, parameter :: of_horizontal = 1, of_normal = 2, of_shear = 3, of_frame = 4
-   !! sums of terms: forces of the pivot H and N, base shear, and the frame's acceleration relative
-   !! to the ground, over m_w [m/s2]
+   integer, parameter :: of_horizontal = 1, of_normal = 2, of_shear = 3, of_frame = 4, of_link = 5
+   !! sums of terms: forces of the pivot H and N, base shear, the frame's acceleration relative to
+   !! the ground, and the force of the link, over m_w [m/s2]
+   integer, parameter :: of_envelopes = 1000000
+   !! offset of the numbers of the largest normal force and of the force of the link
 
 contains
 
@@ -39,15 +42,20 @@ contains
       type(equation_t), intent(in) :: equation
       integer :: q
 
-      serves = .not. (allocated(recorder%envelopes) .or. recorder%keeps_energy)
+      serves = .not. recorder%keeps_energy
       if (.not. serves) return
+      if (allocated(recorder%envelopes)) then
+         associate (leader => recorder%envelopes%leader, numbers => of_series(recorder%envelopes))
+            serves = .not. recorder%envelopes%sums_strokes .and. has_plain_pivot(equation)
+            if (serves) serves = count(leader > 0) == count(leader(numbers) > 0)
+         end associate
+      end if
       if (allocated(recorder%forces)) then
          associate (forces => recorder%forces, effects => equation%scene%terms%effect)
-            serves = .not. (forces%sees_impulses .or. allocated(forces%limit) &
+            serves = serves .and. .not. (forces%sees_impulses .or. allocated(forces%limit) &
                .or. any(effects == p_delta_effect))
             if (any(forces%leader([low_normal, demand, backward]) > 0)) serves = serves &
-               .and. equation%walls == 1 .and. .not. any(effects == inerter_effect &
-               .or. effects == storeys_effect)
+               .and. has_plain_pivot(equation)
          end associate
       end if
       if (.not. (serves .and. allocated(recorder%demands))) return
@@ -59,6 +67,16 @@ contains
          end do
       end associate
    end function serves_demands
+
+   !> Return whether the series know both forces of the pivot and that of the link.
+   pure logical function has_plain_pivot(equation)
+      type(equation_t), intent(in) :: equation
+
+      associate (effects => equation%scene%terms%effect)
+         has_plain_pivot = equation%walls == 1 .and. .not. (equation%floors%are_linked &
+            .or. any(effects == inerter_effect .or. effects == p_delta_effect))
+      end associate
+   end function has_plain_pivot
 
    !> List the demands that the runs of a batch record, if any.
    pure subroutine list_demands(recorder, equation, batch)
@@ -76,10 +94,6 @@ contains
       end if
       batch%lanes%terms = motion_terms
       if (any(batch%demands /= shear)) batch%lanes%terms = axial_terms
-      if (any(batch%demands /= shear) .and. has_elements(equation)) then
-         if (any(equation%elements%stroke%kind == along_line &
-            .or. equation%elements%stroke%kind == along_chord)) batch%lanes%terms = demand_terms - 1
-      end if
       if (allocated(recorder%demands)) then
          associate (leader => recorder%demands%leader, drifts => recorder%demands%building%drifts)
             do q = 1, size(leader)
@@ -88,13 +102,25 @@ contains
             if (any(leader(:drifts) > 0)) batch%lanes%terms = max(batch%lanes%terms, axial_terms)
          end associate
       end if
+      if (allocated(recorder%envelopes)) then
+         if (any(recorder%envelopes%leader > 0)) batch%lanes%terms = max(batch%lanes%terms, &
+            axial_terms)
+         associate (numbers => of_series(recorder%envelopes))
+            batch%demands = [batch%demands, pack(of_envelopes + [(q, q=1, size(numbers))], &
+               recorder%envelopes%leader(numbers) > 0)]
+         end associate
+      end if
+      if (batch%lanes%terms > motion_terms .and. has_elements(equation)) then
+         if (any(equation%elements%stroke%kind == along_line &
+            .or. equation%elements%stroke%kind == along_chord)) batch%lanes%terms = demand_terms - 1
+      end if
       associate (n => size(batch%demands))
          if (n == 0) return
          allocate (batch%lanes%rows(series_width, demand_terms, left:right, n), &
             batch%lanes%level(series_width, n), batch%lanes%exceeds(series_width, n), &
             source=0.0_wp)
          batch%lanes%two_sided = merge(1.0_wp, 0.0_wp, batch%demands == shear &
-            .or. batch%demands > backward)
+            .or. (batch%demands > backward .and. batch%demands /= of_envelopes + 1))
       end associate
    end subroutine list_demands
 
@@ -104,14 +130,19 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
-      real(wp) :: sums(demand_terms, of_frame)
+      real(wp) :: sums(demand_terms, of_link)
       integer :: m, n
 
       if (.not. allocated(batch%lanes%rows)) return
       do m = left, right
          sums = sums_of_terms(lane%equation, 2*m - 3)
          do n = 1, size(batch%demands)
-            if (batch%demands(n) > backward) then
+            if (batch%demands(n) > of_envelopes) then
+               batch%lanes%rows(i, :, m, n) = sums(:, merge(of_normal, of_link, batch%demands(n) &
+                  == of_envelopes + 1))
+               batch%lanes%level(i, n) = lane%recorder%envelopes%level(envelope_of(lane, &
+                  batch%demands(n)))
+            else if (batch%demands(n) > backward) then
                batch%lanes%rows(i, :, m, n) = building_row(lane, batch%demands(n) - backward, &
                   sums(:, of_frame), 2*m - 3)
                batch%lanes%level(i, n) = lane%recorder%demands%level(batch%demands(n) - backward)
@@ -129,7 +160,7 @@ contains
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: side
       !! +1 or -1
-      real(wp) :: sums(demand_terms, of_frame)
+      real(wp) :: sums(demand_terms, of_link)
       real(wp) :: u(2)
 
       sums = 0
@@ -147,11 +178,12 @@ contains
             sums([of_sine_2, of_cosine_2], of_frame) = u
             sums([of_sine_2, of_cosine_2, of_ground], of_shear) = sums([of_sine_2, of_cosine_2, &
                of_ground], of_shear) + [p%gamma*floors%excited_mass_ratio*u, p%gamma + floors%mass]
-            sums([of_sine_2, of_cosine_2, of_ground], of_horizontal) = sums([of_sine_2, &
-               of_cosine_2, of_ground], of_horizontal) + p%gamma*[u, floors%excited_mass_ratio]
-            sums([of_sine_1, of_cosine_1], of_horizontal) = p%gamma*p%two_xi_omega*u
-            sums([of_sine, of_cosine], of_horizontal) = p%gamma*equation%state%frame_slope*u
-            sums(of_constant, of_horizontal) = p%gamma*equation%state%frame_offset
+            sums([of_sine_2, of_cosine_2, of_ground], of_link) = p%gamma*[u, &
+               floors%excited_mass_ratio]
+            sums([of_sine_1, of_cosine_1], of_link) = p%gamma*p%two_xi_omega*u
+            sums([of_sine, of_cosine], of_link) = p%gamma*equation%state%frame_slope*u
+            sums(of_constant, of_link) = p%gamma*equation%state%frame_offset
+            sums(:, of_horizontal) = sums(:, of_horizontal) + sums(:, of_link)
          end if
       end associate
       if (has_elements(equation)) call add_elements(equation, side, sums(:, of_horizontal), &
@@ -242,7 +274,7 @@ contains
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: q
       !! number of the reaction
-      real(wp), intent(in) :: sums(demand_terms, of_frame)
+      real(wp), intent(in) :: sums(demand_terms, of_link)
       real(wp), intent(out) :: row(demand_terms)
       real(wp), intent(out) :: level
 
@@ -314,9 +346,12 @@ contains
             y = lanes%side(i)*[max(phi, 0.0_wp), slope/lanes%h(i)]
             associate (t => lanes%t(i) + place*lanes%h(i), q => batch%demands(n))
                call rates_at(lane%equation, t, y, rates)
-               if (q > backward) then
+               before = huge(before)
+               if (q > of_envelopes) then
+                  call search_state(lane%recorder%envelopes, lane%equation, t, y, rates, &
+                     envelope_of(lane, q))
+               else if (q > backward) then
                   call search_state(lane%recorder%demands, lane%equation, t, y, rates, q - backward)
-                  before = huge(before)
                else
                   before = lane%recorder%forces%largest_demand
                   call search_state(lane%recorder%forces, lane%equation, t, y, rates, q)
@@ -330,6 +365,16 @@ contains
          end do
       end associate
    end subroutine search_demand
+
+   !> Number of a demand in the search of the envelopes.
+   pure integer function envelope_of(lane, q) result(number)
+      type(lane_state_t), intent(in) :: lane
+      integer, intent(in) :: q
+
+      associate (numbers => of_series(lane%recorder%envelopes))
+         number = numbers(q - of_envelopes)
+      end associate
+   end function envelope_of
 
    !> Move the equation of a lane to the side and the interval of its step.
    subroutine follow_lane(lane, i, batch)
