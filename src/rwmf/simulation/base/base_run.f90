@@ -28,7 +28,7 @@ module rwmf_simulation_base_base_run
    public :: result_on_base
 
    integer, parameter :: least_order = 6
-   real(wp), parameter :: share = 0.1_wp
+   real(wp), parameter :: share = 0.01_wp
    !! part of the tolerance for the last term of a series [-]
    real(wp), parameter :: weight = 0.1_wp
    !! of the term before the last one [-]
