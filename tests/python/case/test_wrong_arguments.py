@@ -225,6 +225,8 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
                             "band": [0.5, 5.0], "poles": 2, "unit": None, "dt": None,
                             "channel": None},
         "records.read": {"path": str(samples), "unit": "g", "dt": 0.1, "channel": 1},
+        "records.asce7": {"S_DS": 1.0, "S_D1": 0.6, "T_L": 8.0},
+        "records.eurocode8": {"a_g": 0.2, "ground_type": "A", "spectrum_type": 1, "damping": 0.05},
         "records.select": {"words": records, "target_spectrum": [[0.1, 1.0], [1.0, 1.0]],
                            "band": (0.2, 0.5), "n": 1, "limits": (1e-6, 1e6), "damping": 0.05,
                            "is_paired": False, "progress": None, "unit": None, "dt": None},
