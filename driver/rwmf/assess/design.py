@@ -27,6 +27,7 @@ from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError, warn
 from rwmf.kernel.numbers import show, to_items, to_number, to_whole
+from rwmf.kernel.progress import Reports, reporting
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.sweeps.axes import key_of_column
 from rwmf.sweeps.plan import united
@@ -287,6 +288,7 @@ def design(
     guess: Mapping[str, float] | None = None,
     designs: int | None = None,
     threads: int = 0,
+    progress: Reports = None,
     unit: str | None = None,
     dt: float | None = None,
 ) -> Design:
@@ -320,8 +322,8 @@ def design(
         moved to the bounds.
     designs : int, optional
         Number of designs that the first stage may visit; 300 without `&design`.
-    threads, unit, dt
-        As in `rwmf.sweep`.
+    threads, progress, unit, dt
+        As in `rwmf.sweep`; progress counts designs, and their number grows during the search.
 
     Returns
     -------
@@ -351,8 +353,14 @@ def design(
     price = cost_of(cost, variables)
     price(low)
     start = None if guess is None else _start(guess, variables)
-    runs = SuiteRuns(case, variables, limits, suite, threads)
-    best = cheapest(runs, variables, price, designs, start)
+    with reporting(progress, "design") as report:
+        # the first stage visits about `designs`, the second follows gradients
+        def at_least(done: int, total: int) -> None:
+            if report is not None:
+                report(done, max(total, designs))
+
+        runs = SuiteRuns(case, variables, limits, suite, threads, at_least)
+        best = cheapest(runs, variables, price, designs, start)
     # the runs of the best design alone, without the warnings of others
     final = SuiteRuns(case, variables, limits, suite, threads)
     found = final.compute(best[None])[0]

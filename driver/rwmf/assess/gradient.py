@@ -14,6 +14,7 @@ from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.arguments import case_of, checked, texts_of
 from rwmf.errors import InputError
 from rwmf.kernel import tables
+from rwmf.kernel.progress import Reports, reporting
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import ORDINATES as QUANTITIES
 from rwmf.run.quantities import default_quantity, find_quantities
@@ -40,6 +41,7 @@ def gradient(
     statistic: Statistic | None = None,
     over: str | Sequence[str] = RECORD,
     threads: int = 0,
+    progress: Reports = None,
     unit: str | None = None,
     dt: float | None = None,
 ) -> xr.Dataset:
@@ -68,8 +70,8 @@ def gradient(
         steps are five times larger.
     over : str or sequence of str
         Dimensions of the array that the statistic takes, ``record`` first.
-    threads, unit, dt
-        As in `rwmf.sweep`.
+    threads, progress, unit, dt
+        As in `rwmf.sweep`; the number of all runs grows where smaller steps follow.
 
     Returns
     -------
@@ -98,7 +100,6 @@ def gradient(
     find_quantities(tuple(names))
     scenes = Scenes(case, points, grid, records, unit, dt)
     found = find_parameters(scenes.case, parameters, scenes.columns)
-    lanes = Lanes(scenes, found, names, threads)
     suite = None
     reduced = texts_of("over", over)
     if statistic is None:
@@ -108,7 +109,9 @@ def gradient(
     else:
         axes = tuple(scenes.index_of(name) for name in reduced)
         suite = SuiteStatistic(statistic, axes, tuple(scenes.sizes.values()))
-    steps = Steps(scenes, lanes, found, suite)
+    with reporting(progress) as report:
+        lanes = Lanes(scenes, found, names, threads, report)
+        steps = Steps(scenes, lanes, found, suite)
     dims = [name for name in scenes.sizes if name not in reduced]
     dataset = _dataset(scenes, lanes, steps, dims, found)
     dataset.coords["quantity"] = ("quantity", names, {"long_name": "result"})

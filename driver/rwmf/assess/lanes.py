@@ -32,6 +32,7 @@ from rwmf.assess.held_keys import (
 from rwmf.case import Case, Motion
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import float_of, show
+from rwmf.kernel.progress import Progress
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import ENDINGS, find_quantities, refuse_missing
 from rwmf.sweeps.axes import Axis, Scene, grid_axis, key_of_column, name_axes, record_axis
@@ -176,8 +177,10 @@ class Lanes:
         parameters: Sequence[Parameter],
         quantities: Sequence[str],
         threads: int,
+        progress: Progress | None = None,
     ) -> None:
         self.runs = 0
+        self._progress = progress
         self._parameters = parameters
         self._names = [next(iter(find_quantities((name,)))) for name in quantities]
         self.n_quantities = len(self._names)
@@ -206,7 +209,13 @@ class Lanes:
 
     def run(self, requests: Sequence[Request]) -> tuple[Array, npt.NDArray[np.bool_]]:
         """Compute runs."""
+        finished = self.runs
         self.runs += len(requests)
+
+        def report(done: int, _: int) -> None:
+            if self._progress is not None:
+                self._progress(finished + done, self.runs)
+
         values = np.full((len(requests), len(self._names)), np.nan)
         fallen = np.zeros(len(requests), dtype=bool)
         # a column has one number a row: each change of a list needs another sweep. A default
@@ -225,7 +234,10 @@ class Lanes:
                 item = self._parameters[number]
                 case = case.replace(**changed_entries(case, item, value))
             table = self._table([requests[place] for place in places])
-            found = sweep(case, points=table, quantities=self._names, threads=self._threads)
+            found = sweep(
+                case, points=table, quantities=self._names, threads=self._threads, progress=report
+            )
+            finished += len(places)
             refuse_missing(found, self._names, "quantities")
             for i, name in enumerate(self._names):
                 values[places, i] = found[name].values

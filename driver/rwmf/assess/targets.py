@@ -14,6 +14,7 @@ import numpy.typing as npt
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import show, to_array, to_items, to_number
+from rwmf.kernel.progress import Progress
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.checks import Limit, limits_of
 from rwmf.run.quantities import ENDINGS, default_quantity, find_quantities, refuse_missing
@@ -309,7 +310,9 @@ class SuiteRuns:
         targets: Sequence[Target],
         records: Sequence[RecordFile],
         threads: int,
+        progress: Progress | None = None,
     ) -> None:
+        self._progress = progress
         self._case = case.without("spectrum") if "spectrum" in case.groups else case
         self._variables, self._targets = variables, targets
         self._records, self._threads = records, threads
@@ -345,6 +348,12 @@ class SuiteRuns:
             for i, item in enumerate(self._variables)
         }
         table["scale"] = [scale for scale in scales for _ in designs]
+
+        def report(done: int, total: int) -> None:
+            if self._progress is not None:
+                known = len(self.values)
+                self._progress(known + len(designs) * done // total, known + len(designs))
+
         found = sweep(
             self._case,
             None,
@@ -352,6 +361,7 @@ class SuiteRuns:
             points=table,
             quantities=self._names,
             threads=self._threads,
+            progress=report,
         )
         refuse_missing(found, self._names, "targets")
         self.warnings = united([*self.warnings, *str(found.attrs["warnings"]).splitlines()])

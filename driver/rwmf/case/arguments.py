@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import functools
 import inspect
+import logging
 import os
-from collections.abc import Callable, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
 from rwmf.case import Case, CaseLike, Motion
-from rwmf.errors import InputError, call_depth, warn
+from rwmf.errors import LOG, InputError, call_depth, warn
 from rwmf.kernel.names import problem_of_name
 from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
 from rwmf.kernel.results import check_threads
@@ -215,10 +218,27 @@ def _is_of_caller(error: BaseException) -> bool:
     return "site-packages" not in path.parts and Path(__file__).parents[1] not in path.parents
 
 
+@contextmanager
+def _logged(name: str) -> Iterator[None]:
+    """Log start and end of a public function: the user's call at level INFO, others at DEBUG."""
+    # methods of hosts run in the time loop of their caller
+    is_analysis = call_depth.get() == 1 and "." not in name
+    began = time.perf_counter()
+    LOG.debug("%s: started", name)
+    end = "failed"
+    try:
+        yield
+        end = "finished"
+    finally:
+        level = logging.INFO if is_analysis else logging.DEBUG
+        LOG.log(level, "%s: %s after %.3f s", name, end, time.perf_counter() - began)
+
+
 def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Convert or refuse the arguments of a public function before it runs.
 
-    The warnings of its result are emitted, unless another public function has called it.
+    The warnings of its result are emitted, unless another public function has called it. The logger
+    "rwmf" records its start and end.
     """
     signature = inspect.signature(function)
     defaults = {name: item.default for name, item in signature.parameters.items()}
@@ -239,7 +259,8 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
                 }
         before = call_depth.set(call_depth.get() + 1)
         try:
-            result = function(*bound.args, **bound.kwargs)
+            with _logged(function.__qualname__):
+                result = function(*bound.args, **bound.kwargs)
         except ArithmeticError as error:
             if _is_of_caller(error):
                 raise

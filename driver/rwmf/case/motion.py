@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -16,6 +17,9 @@ from rwmf.kernel import files, kernel_case
 from rwmf.kernel.numbers import show, to_array, to_number
 
 _UNITS = ("g", "m/s2", "cm/s2")
+# order of the derivative that the last steps of ObsPy leave: 2 for accelerations
+_ORDERS = {"DISP": 0, "VEL": 1, "ACC": 2}
+_QUANTITIES = {0: "displacements", 1: "velocities"}
 _ARRAY = "an array of numbers with one dimension"
 
 
@@ -85,6 +89,58 @@ class Motion:
             put("_samples", kernel_case.keep_samples(self._values, self._times))
         except InputError as error:
             raise self._problem(str(error)) from None
+
+    @classmethod
+    def from_obspy(
+        cls,
+        source: Any,  # noqa: ANN401 (a type of ObsPy)
+        unit: str | None = None,
+        name: str | None = None,
+    ) -> Motion:
+        """Take the samples of a trace of ObsPy; the package itself is not needed.
+
+        Parameters
+        ----------
+        source : obspy.Trace or obspy.Stream
+            A trace of accelerations, or a stream with one. The first sample is at t = 0.
+        unit : {'g', 'm/s2', 'cm/s2'}, optional
+            Unit of the samples. It may be left out after ``remove_response(output="ACC")``, which
+            gives m/s2.
+        name : str, optional
+            Name of the motion; otherwise the identifier of the trace.
+
+        Returns
+        -------
+        Motion
+            The samples of the trace.
+
+        Raises
+        ------
+        InputError
+            When the stream has several traces, the samples have gaps or are counts, velocities or
+            displacements, or the unit is missing.
+        """
+        trace = _only_trace(source)
+        title = str(getattr(trace, "id", "trace"))
+        where = f"trace {title!r}"
+        stats, data = trace.stats, trace.data
+        if np.ma.is_masked(data):
+            raise InputError(f"{where}: has gaps (masked samples): take one part of split()")
+        samples = np.ma.getdata(data)
+        if samples.dtype.kind in "iu":
+            raise InputError(
+                f"{where}: holds whole numbers, counts of a digitiser: call "
+                'remove_response(output="ACC"), or read it with apply_calib=True'
+            )
+        if samples.shape != (int(stats.npts),):
+            raise InputError(f"{where}: has {samples.size} samples, its header says {stats.npts}")
+        order = _order_of(getattr(stats, "processing", None) or ())
+        if order not in (None, 2):
+            held = _QUANTITIES.get(order, "no accelerations")
+            raise InputError(f"{where}: holds {held} after its processing: must be accelerations")
+        if unit is None and order is None:
+            raise InputError(f"{where}: states no unit: give unit = 'g', 'm/s2' or 'cm/s2'")
+        return cls(samples, dt=stats.delta, unit=unit or "m/s2", name=name or title)
 
     def _kept(self, name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Copy an array into a read-only one."""
@@ -215,6 +271,34 @@ class Motion:
         return (
             f"Motion({self._name!r}: {self._values.size} samples, {sampling}, unit {self._unit!r})"
         )
+
+
+def _only_trace(source: Any) -> Any:  # noqa: ANN401 (a type of ObsPy)
+    """Return a trace, or the only one of a stream."""
+    if hasattr(source, "data") and hasattr(source, "stats"):
+        return source
+    traces = list(source) if isinstance(source, Iterable) else []
+    if not traces or not all(hasattr(item, "data") and hasattr(item, "stats") for item in traces):
+        raise InputError(f"source = {show(source)}: must be a trace of ObsPy, or a stream with one")
+    if len(traces) > 1:
+        names = ", ".join(str(getattr(item, "id", "trace")) for item in traces)
+        raise InputError(
+            f"the stream has {len(traces)} traces ({names}): give one, stream[0]; "
+            "merge() joins parts of a channel"
+        )
+    return traces[0]
+
+
+def _order_of(steps: Iterable[str]) -> int | None:
+    """Return the order of the derivative after the recorded steps; None where none states it."""
+    order = None
+    for step in map(str, steps):
+        removed = re.search(r"remove_response\(.*\boutput='(\w+)'", step, re.DOTALL)
+        if removed is not None:
+            order = _ORDERS.get(removed[1])
+        elif order is not None:
+            order += ("differentiate(" in step) - ("integrate(" in step)
+    return order
 
 
 def _restore(

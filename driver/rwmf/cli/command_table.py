@@ -541,8 +541,8 @@ COMMANDS: dict[str, Command] = {
             _word("fragility", "NetCDF file of rwmf fragility, or MEDIAN,DISPERSION", "FRAGILITY"),
             _word(
                 "--hazard",
-                "CSV file of intensity and frequency, return_period or poe_50; or K0,K of a power "
-                "law",
+                "CSV file of intensity and frequency, return_period or poe_50, or of OpenQuake; or "
+                "K0,K of a power law",
                 "HAZARD",
                 required=True,
             ),

@@ -135,17 +135,19 @@ def run_design(options: argparse.Namespace) -> int:
         design_page.check_format_of_page(path)
     bounds, weights = _by_key("--vary", options.vary), _by_key("--cost", options.cost)
     try:
-        found = design(
-            case,
-            bounds,
-            options.target,
-            weights,
-            options.records,
-            left_out=options.left_out,
-            designs=options.designs,
-            unit=options.unit,
-            threads=options.threads,
-        )
+        with progress("design") as report:
+            found = design(
+                case,
+                bounds,
+                options.target,
+                weights,
+                options.records,
+                left_out=options.left_out,
+                designs=options.designs,
+                unit=options.unit,
+                threads=options.threads,
+                progress=report,
+            )
     except InputError as error:
         if bounds or options.target or weights or options.records or case.design is None:
             raise
@@ -216,15 +218,17 @@ def _commands(options: argparse.Namespace, namelists: list[str]) -> list[str]:
 def run_gradient(options: argparse.Namespace) -> int:
     """Print derivatives (``rwmf gradient``)."""
     case = Case.from_namelist(options.case)
-    found = gradient(
-        case,
-        _words(options.parameters) or None,
-        _words(options.quantities) or None,
-        records=options.records,
-        statistic=options.statistic,
-        unit=options.unit,
-        threads=options.threads,
-    )
+    with progress() as report:
+        found = gradient(
+            case,
+            _words(options.parameters) or None,
+            _words(options.quantities) or None,
+            records=options.records,
+            statistic=options.statistic,
+            unit=options.unit,
+            threads=options.threads,
+            progress=report,
+        )
     if options.json:
         names = [*found.data_vars, "parameter_value", "parameter_scale"]
         print_json(

@@ -15,6 +15,7 @@ from rwmf.errors import InputError, OutputError
 from rwmf.figures import image_files as figures
 from rwmf.figures.ground import draw_records, draw_selection
 from rwmf.kernel import files
+from rwmf.kernel.progress import progress
 from rwmf.motion import records
 from rwmf.motion.intensity import G
 from rwmf.motion.records import Described, curves, describe
@@ -133,7 +134,7 @@ def select(options: argparse.Namespace) -> int:
     """Choose records and scale them to a target spectrum (``rwmf records select``)."""
     files.check_outputs([options.out, options.plot], [options.target])
     figures.check_formats(options.plot)
-    with printed_warnings(options.target):
+    with printed_warnings(options.target), progress("record") as report:
         found = records.select(
             options.records,
             options.target,
@@ -142,6 +143,7 @@ def select(options: argparse.Namespace) -> int:
             limits=options.limits,
             damping=options.damping,
             is_paired=options.pairs,
+            progress=report,
             unit=options.unit,
             dt=options.dt,
         )

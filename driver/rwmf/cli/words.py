@@ -133,6 +133,15 @@ def whole(lowest: int, highest: int) -> Callable[[str], int]:
     return read
 
 
+def short_decimal(x: float) -> float:
+    """Return 0.3 for 0.30000000000000004, so that labels of results are found by their decimals.
+
+    Numbers that differ from twelve digits by more than rounding stay.
+    """
+    decimal = float(f"{x:.12g}")
+    return decimal if abs(decimal - x) <= 4 * math.ulp(x) else x
+
+
 def numbers(word: str) -> list[float]:
     """Read ``FIRST:LAST:N`` with both ends, or comma-separated numbers."""
     # imported here so that help and other error messages need not wait for it
@@ -143,7 +152,8 @@ def numbers(word: str) -> list[float]:
         if ":" in word:
             first, last, n = word.split(":")
             n_points = whole(1, _MOST_NUMBERS)(n)
-            return [float(x) for x in np.linspace(read(first), read(last), n_points)]
+            points = np.linspace(read(first), read(last), n_points)
+            return [short_decimal(x) for x in points.tolist()]
         return [read(item) for item in word.split(",")]
     except (ValueError, argparse.ArgumentTypeError):
         raise argparse.ArgumentTypeError(

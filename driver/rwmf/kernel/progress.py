@@ -107,7 +107,9 @@ def progress_bar(total: int, unit: str = "run") -> Iterator[Progress | None]:
         nrows=size.lines,
     ) as bar:
 
-        def report(done: int, _: int) -> None:
+        def report(done: int, total: int) -> None:
+            # searches find further runs on their way
+            bar.total = total
             bar.update(done - bar.n)
 
         yield report

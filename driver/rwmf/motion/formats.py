@@ -143,6 +143,60 @@ def check_peak(values: Values, stated: str | None, key: str) -> None:
         )
 
 
+_CSMNC = re.compile(
+    r"CORRECTED ACCELERATION\s+UNIT:\s*(?P<unit>\S+)\s+NO\. OF POINTS:\s*(?P<n>\d+)\s+"
+    r"EQUALLY SPACED INTERVALS OF:\s*(?P<dt>\S+)\s+SEC\s+PEAK VALUE:\s*(?P<peak>\S+)"
+)
+_CSMNC_LINES = 20
+_COMPONENT = re.compile(r"COMP\.\s*(\S+)")
+
+
+def is_csmnc(lines: list[str]) -> bool:
+    """Recognise a file of the China Strong Motion Network Centre."""
+    return any("CORRECTED ACCELERATION " in line and "UNIT:" in line for line in lines)
+
+
+def read_csmnc(lines: list[str], name: str) -> list[Channel]:
+    """Read a file of the China Strong Motion Network Centre."""
+    text = "\n".join(lines[:_CSMNC_LINES])
+    header = _CSMNC.search(text)
+    if header is None:
+        raise InputError("the header has no UNIT, NO. OF POINTS, INTERVALS and PEAK VALUE in order")
+    # lines of text end the header
+    ends = text[: header.end()].count("\n")
+    begin = next(
+        (i for i in range(ends + 1, len(lines)) if re.match(r"\s*[-+.\d]", lines[i])), len(lines)
+    )
+    numbers = free_numbers(lines[begin:], begin + 1)
+    check_count(numbers, header_number("NO. OF POINTS", header["n"]), "NO. OF POINTS")
+    check_peak(numbers, header["peak"], "PEAK VALUE")
+    values, unit = in_base_unit(numbers, header["unit"], "the header has UNIT")
+    component = _COMPONENT.search(text)
+    dt = header_number("INTERVALS", header["dt"])
+    motion = Motion(values, dt=dt, unit=unit, name=name)
+    return [Channel(motion, component[1] if component else "", "CSMNC")]
+
+
+# words of formats that are not read, in one of the first lines
+_UNREAD = {
+    "UNAM/ASA (Mexico)": r".*ARCHIVO ESTANDAR DE ACELERACION",
+    "CSMIP volume 3 (spectra)": r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA",
+    "GeoNet (New Zealand)": r"\s*(?:UN)?CORRECTED ACCELEROGRAM .*(?:GNS|GEOLOGICAL AND NUC)",
+}
+
+
+def unread_format(lines: list[str]) -> str | None:
+    """Return the name of a format that is not read; None for another one."""
+    return next(
+        (
+            name
+            for name, words in _UNREAD.items()
+            if any(re.match(words, line, re.IGNORECASE) for line in lines)
+        ),
+        None,
+    )
+
+
 _NIED_LINES = 17
 _NIED_COLUMNS = re.compile(r"#\s*Time\s*,\s*RelativeTime\(s\),", re.IGNORECASE)
 _GAIN = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)")

