@@ -319,7 +319,7 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
     elif is_left_behind(Path(path.name)) and path.exists():
         # a pattern of the shell names it too
         return []
-    elif zipfile.is_zipfile(path):
+    elif path.is_file() and zipfile.is_zipfile(path):
         found = extract(path)
         paths = _records_below(found, has_vertical) if found.is_dir() else [found]
     elif path.is_dir():
