@@ -8,6 +8,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from rwmf.cli.output import printed_warnings
 from rwmf.errors import InputError, OutputError, RwmfError
 from rwmf.kernel import files
 from rwmf.kernel.progress import progress_bar
@@ -46,7 +47,8 @@ def main(options: argparse.Namespace) -> None:
         for done, name in enumerate(names):
             if step is None:
                 print(figures.FIGURES[name].caption, flush=True)
-            figures.make(of, name, options.out)
+            with printed_warnings(name):
+                figures.make(of, name, options.out)
             if step is not None:
                 step(done + 1, len(names))
     if options.spectra:

@@ -80,11 +80,11 @@ def print_warnings(path: str, lines: Iterable[str]) -> None:
 
 @contextmanager
 def printed_warnings(path: str) -> Iterator[None]:
-    """Print the warnings about the inputs that a block reads."""
+    """Print the warnings about the inputs that a block reads, each once."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RwmfWarning)
         yield
-    print_warnings(path, (str(item.message) for item in caught))
+    print_warnings(path, dict.fromkeys(str(item.message) for item in caught))
 
 
 def print_written(paths: Iterable[str | Path | None], *, is_json: bool = False) -> None:
