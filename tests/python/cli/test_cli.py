@@ -303,7 +303,10 @@ def test_signals_end_commands_that_draw(tmp_path: Path) -> None:
                 assert process.poll() is None
             process.send_signal(ends[1])
             _, errors = process.communicate(timeout=60)
-        assert (process.returncode, errors) == (130, "rwmf: interrupted\n")
+        # `python -m` sends itself SIGINT at its end, which shells report as 130, where the signal
+        # came while a library ran the text of a function, as `dataclasses` does
+        assert process.returncode in (130, -signal.SIGINT)
+        assert errors == "rwmf: interrupted\n"
         assert list(tmp_path.iterdir()) == [tmp_path / "case.nml"]
 
 
