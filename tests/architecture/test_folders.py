@@ -36,7 +36,7 @@ LARGE: dict[str, str] = {
     "rwmf_integrator_lane_screens:screen_steps": "a block of lanes as plain arrays",
     "rwmf_integrator_series_series_loops:end_all": "a vectorised loop: a call would end it",
     "rwmf_integrator_series_series_loops:expand": "a vectorised loop: a call would end it",
-    "rwmf_integrator_series_series_loops:expand_terms": "a vectorised loop: a call would end it",
+    "rwmf_integrator_series_series_demand_loops:expand_terms": "a vectorised loop: a call would end it",
     "rwmf_integrator_series_series_loops:screen": "a vectorised loop: a call would end it",
     "rwmf_embedding_element:next_impact": _STEP_OF_A_HOST,
     "rwmf_embedding_element:next_lift_off": _STEP_OF_A_HOST,

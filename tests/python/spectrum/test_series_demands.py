@@ -11,6 +11,11 @@ _FRAME = "&frame T_s = 1.0, gamma = 4.0, xi_s = 0.03 /\n"
 _PULSE = "&motion kind = 'one_cosine', a_max_g = 0.6, omega_p = 7.0 /\n"
 _AXIS = "&cable eta_0 = 0.4, eta_alpha = 1.9, law = 'linear' /\n"
 _LINE = "&cable eta_0 = 0.4, eta_alpha = 1.9, law = 'truss' /\n"
+_PAIR = (
+    "&cable offset = -0.5 0.3, height = 8.0 6.5, eta_0 = 0.2 0.2, eta_alpha = 1.9, law = 'truss',"
+    " eta_y = 0.3 0.5, hardening = 0.05 /\n"
+)
+_ASIDE = "&cable offset = 1.2, eta_0 = 0.1, eta_alpha = 1.9, law = 'truss' /\n"
 _DEVICES = "&fuse eta_y = 0.12, stroke_y = 0.004, hardening = 0.04 /\n&damper c_over_m_w = 0.4 /\n"
 _RESTRAINT = (
     "&restraint offset = -0.9 0.9, height = 8.0, eta_y = 0.05, stroke_y = 0.004,"
@@ -25,6 +30,8 @@ _SCENES = {
     "wall": _WALL,
     "axis": _WALL + _FRAME + _AXIS,
     "line": _WALL + _FRAME + _LINE,
+    "pair": _WALL + _FRAME + _PAIR + _DEVICES,
+    "aside": _WALL + _FRAME + _ASIDE,
     "devices": _WALL + _FRAME + _LINE + _DEVICES,
     "restraint": _WALL + _FRAME + _AXIS + _RESTRAINT,
     "yielding": _WALL + _FRAME + _YIELDING + _DEVICES,

@@ -87,6 +87,7 @@ program test_rotation_events
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_first_change, only: ending_t
+   use rwmf_simulation_events_step_quartic, only: at_low, first_event, quartic_t
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_hybrid_step_events, only: list_turns, search_step
    use rwmf_simulation_recorder_recorder, only: recorder_t
@@ -103,6 +104,7 @@ program test_rotation_events
    if (checks%wants('round-off')) call check_round_off()
    if (checks%wants('windows')) call check_windows()
    if (checks%wants('flights')) call check_flights()
+   if (checks%wants('dips')) call check_dips()
    call checks%finish()
 
 contains
@@ -298,6 +300,26 @@ contains
       call checks%no_error(error, 'search')
       if (present(turns)) turns = recorder%n_events
    end subroutine search
+
+   !> Find the first of two passages of zero in a step that begins within round-off of a peak, on
+   !> either side of it.
+   subroutine check_dips()
+      type(quartic_t) :: quartic
+      real(wp) :: x
+      integer :: event, k, side
+
+      do k = 1, 16
+         do side = -1, 1
+            quartic%c = [0.05_wp, side*10.0_wp**(-k)/8, -1.0_wp, 4.0_wp/3, 0.0_wp, 0.0_wp]
+            call first_event(quartic, [0.0_wp, 1.0_wp], [-huge(x), huge(x)], event, x)
+            call checks%that(event == at_low .and. x < 0.5_wp, 'first passage of zero')
+            associate (c => quartic%c)
+               call checks%close_to(c(0) + x*(c(1) + x*(c(2) + x*c(3))), 0.0_wp, 'its place', &
+                  atol=1.0e-3_wp)
+            end associate
+         end do
+      end do
+   end subroutine check_dips
 
    !> Build the equation of a scene without ground motion.
    subroutine build(scene)

@@ -4,11 +4,12 @@
 !> prevent vectorisation.
 module rwmf_integrator_series_series_lanes
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: rise_coefficients
+   use rwmf_model_lanes, only: line_coefficients, rise_coefficients
    implicit none
    private
 
-   public :: series_lanes_t, series_width, most_terms_of_series, left, right
+   public :: series_lanes_t, series_width, most_lines, &
+      most_terms_of_series, left, right
    public :: demand_terms, axial_terms, motion_terms
    public :: of_sine_2, of_cosine_2, of_ground, of_upward, of_sine_1, of_cosine_1, of_sine, &
       of_cosine, of_phi_sine, of_phi_cosine, of_phi, of_rate, of_half_sine, of_half_cosine, &
@@ -18,6 +19,8 @@ module rwmf_integrator_series_series_lanes
    !! number of lanes
    integer, parameter :: most_terms_of_series = 12
    !! highest order
+   integer, parameter :: most_lines = 2
+   !! number of straight tendons; beyond one, with the loop of the restraints
    integer, parameter :: left = 1
    !! index of values for theta < 0
    integer, parameter :: right = 2
@@ -105,8 +108,8 @@ module rwmf_integrator_series_series_lanes
       !! half the coefficient of the corner inerter [-]
       real(wp) :: excited(series_width)
       !! mass of the frame excited by the ground motion over the moving mass [-]
-      real(wp) :: straight(series_width, 4)
-      !! straight cable: force at zero elongation [1/(m s2)], its slope [1/(m2 s2)], h [m], b [m]
+      real(wp) :: straight(series_width, line_coefficients, 2, most_lines)
+      !! straight tendons, by side: coefficients of `add_straight_tendons`
       real(wp) :: rise(series_width, rise_coefficients, 2)
       !! by side: factors of cos(phi), sin(phi), sin(2 phi), cos(2 phi) in the moment of restraints
       !! and couplings [1/s2]; then of phi', phi' cos(2 phi) and -phi' sin(2 phi) [1/s]

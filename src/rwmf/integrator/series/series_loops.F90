@@ -4,11 +4,8 @@
 !> unrolls the recurrences and keeps their coefficients in registers.
 module rwmf_integrator_series_series_loops
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_series_series_lanes, only: axial_terms, demand_terms, left, &
-      most_terms_of_series, motion_terms, of_constant, of_cosine, of_cosine_1, of_cosine_2, &
-      of_cosine_over, of_ground, of_half_cosine, of_half_sine, of_inverse, of_phi, &
-      of_phi_cosine, of_phi_sine, of_rate, of_sine, of_sine_1, of_sine_2, of_sine_over, &
-      of_upward, right, series_lanes_t, series_width
+   use rwmf_integrator_series_series_demand_loops, only: screen_demands
+   use rwmf_integrator_series_series_lanes, only: left, right, series_lanes_t, series_width
    use rwmf_model_lanes, only: lane_cosine => cosine, lane_sine => sine
    implicit none
    private
@@ -54,14 +51,15 @@ contains
       integer, intent(in), value :: terms
       !! `plain`, `with_effects`, effects `with_curves` of the ground motion or `with_rises`
       type(series_lanes_t), intent(inout) :: lanes
-      real(wp), dimension(0:order) :: p, v, sp, cp, sv, hc, stretch, arm, lever, force
+      real(wp), dimension(0:order) :: p, v, sp, cp, sv, hc, stretch, arm, lever, force, &
+         stretch_2, arm_2
       real(wp), dimension(0:order) :: curve, of_cosines, of_sines, s2, c2
       real(wp) :: h, rest, hh, side, ca, sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, &
          cable, slope, fuse, half, corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, &
-         inverse, j, jv, q, gamma, of_cosine, of_sine, excited
+         pull_2, tight_2, twin_2, b2_2, bh_2, inverse, j, jv, q, gamma, of_cosine, of_sine, excited
       real(wp) :: e, f, of_s2, of_c2, of_v, of_c2v, of_s2v
       integer :: i, k, n
-      logical :: is_plain, has_curves, has_rises, has_fuses, has_inerter, is_straight
+      logical :: is_plain, has_curves, has_rises, has_fuses, has_inerter, is_straight, has_second
 
       is_plain = terms == plain
       has_curves = terms == with_curves
@@ -69,11 +67,13 @@ contains
       has_fuses = lanes%has_fuses .and. .not. is_plain
       has_inerter = lanes%has_inerter .and. .not. is_plain
       is_straight = lanes%has_straight_cable .and. .not. is_plain
+      has_second = is_straight .and. has_rises
       !$omp simd private(p, v, sp, cp, sv, hc, stretch, arm, lever, force, h, rest, hh, side, ca) &
       !$omp& private(sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, cable, slope, fuse, half) &
       !$omp& private(corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, inverse, j, jv, q) &
       !$omp& private(gamma, of_cosine, of_sine, excited, curve, of_cosines, of_sines, s2, c2, e) &
-      !$omp& private(f, of_s2, of_c2, of_v, of_c2v, of_s2v, k, n)
+      !$omp& private(f, of_s2, of_c2, of_v, of_c2v, of_s2v, k, n) &
+      !$omp& private(stretch_2, arm_2, pull_2, tight_2, twin_2, b2_2, bh_2)
       do i = 1, series_width
          rest = lanes%limit(i) - lanes%t(i)
          h = lanes%length(i)
@@ -160,6 +160,13 @@ contains
          tight = 0
          b2 = 0
          bh = 0
+         stretch_2(0) = 0
+         arm_2(0) = 0
+         pull_2 = 0
+         twin_2 = 0
+         tight_2 = 0
+         b2_2 = 0
+         bh_2 = 0
          z = 0
          excited = 1
          if (.not. is_plain) then
@@ -179,22 +186,43 @@ contains
          end if
          if (has_inerter) mass = mass + lanes%inerter(i)*(1 + cp(0))
          if (is_straight) then
-            bh = 2*lanes%straight(i, 3)
-            b2 = lanes%straight(i, 4)
-            ! L**2 = (2h)**2 + rise, and half its derivative is arm*L
+            bh = lanes%straight(i, 3, left, 1)
+            b2 = lanes%straight(i, 4, left, 1)
+            d = lanes%straight(i, 4, right, 1)
+            b2 = merge(d, b2, side > 0)
+            ! L**2 = z**2 + rise, and half its derivative is arm*L
             z = (1 - cp(0))*(2*b2)*b2 + (2*bh)*b2*sp(0)
             stretch(0) = sqrt(bh*bh + z)
             tight = 1/stretch(0)
             twin = 0.5_wp*tight
-            d = hh*lanes%straight(i, 2)
-            pull = hh*lanes%straight(i, 1)
+            d = hh*lanes%straight(i, 2, left, 1)
+            pull = hh*lanes%straight(i, 1, left, 1)
+            arm(0) = b2*(b2*sp(0) + bh*cp(0))*tight
+            m = m + (pull + d*(z/(stretch(0) + bh)))*arm(0)
+            pull = pull - bh*d
             bh = bh*b2
             b2 = b2*b2
-            arm(0) = (b2*sp(0) + bh*cp(0))*tight
-            m = m + (pull + d*(z/(stretch(0) + 2*lanes%straight(i, 3))))*arm(0)
-            pull = pull - 2*lanes%straight(i, 3)*d
             of_sine = of_sine + d*b2
             of_cosine = of_cosine + d*bh
+         end if
+         if (has_second) then
+            bh_2 = lanes%straight(i, 3, left, 2)
+            b2_2 = lanes%straight(i, 4, left, 2)
+            d = lanes%straight(i, 4, right, 2)
+            b2_2 = merge(d, b2_2, side > 0)
+            z = (1 - cp(0))*(2*b2_2)*b2_2 + (2*bh_2)*b2_2*sp(0)
+            stretch_2(0) = sqrt(bh_2*bh_2 + z)
+            tight_2 = 1/stretch_2(0)
+            twin_2 = 0.5_wp*tight_2
+            d = hh*lanes%straight(i, 2, left, 2)
+            pull_2 = hh*lanes%straight(i, 1, left, 2)
+            arm_2(0) = b2_2*(b2_2*sp(0) + bh_2*cp(0))*tight_2
+            m = m + (pull_2 + d*(z/(stretch_2(0) + bh_2)))*arm_2(0)
+            pull_2 = pull_2 - bh_2*d
+            bh_2 = bh_2*b2_2
+            b2_2 = b2_2*b2_2
+            of_sine = of_sine + d*b2_2
+            of_cosine = of_cosine + d*bh_2
          end if
          e = 0
          f = 0
@@ -243,6 +271,7 @@ contains
                if (has_rises) m = m + (of_s2*s2(n) + of_c2*c2(n))
                if (has_fuses) m = m + fuse*hc(n)
                if (is_straight) m = m + pull*arm(n)
+               if (has_second) m = m + pull_2*arm_2(n)
             end if
             ! cos(phi/2) is the root of (1 + cos(phi))/2
             z = 0
@@ -275,6 +304,26 @@ contains
                z = z*tight
             end if
             arm(n + 1) = z
+            z = 0
+            if (has_second) then
+               z = 2*(bh_2*sp(n + 1) - b2_2*cp(n + 1))
+               !GCC$ unroll 16
+               do k = 1, n
+                  z = z - stretch_2(k)*stretch_2(n + 1 - k)
+               end do
+               z = z*twin_2
+            end if
+            stretch_2(n + 1) = z
+            z = 0
+            if (has_second) then
+               z = b2_2*sp(n + 1) + bh_2*cp(n + 1)
+               !GCC$ unroll 16
+               do k = 1, n + 1
+                  z = z - stretch_2(k)*arm_2(n + 1 - k)
+               end do
+               z = z*tight_2
+            end if
+            arm_2(n + 1) = z
             sv(n) = b
             if (.not. is_plain) m = m + corner*(v(n) + a)
             if (has_rises) then
@@ -352,204 +401,6 @@ contains
       if (lanes%seeks_speed) call screen_speeds(lanes)
       if (allocated(lanes%rows)) call screen_demands(lanes)
    end subroutine screen_lanes
-
-   !> Screen the steps for larger demands.
-   pure subroutine screen_demands(lanes)
-      type(series_lanes_t), intent(inout) :: lanes
-      integer :: q
-
-      ! the compiler makes a copy of each loop for each constant
-      lanes%may_exceed = 0
-      select case (lanes%terms)
-      case (motion_terms)
-         call expand_terms(motion_terms, lanes)
-         do q = 1, size(lanes%level, 2)
-            call screen_demand(motion_terms, q, lanes)
-         end do
-      case (axial_terms)
-         call expand_terms(axial_terms, lanes)
-         do q = 1, size(lanes%level, 2)
-            call screen_demand(axial_terms, q, lanes)
-         end do
-      case default
-         call expand_terms(demand_terms - 1, lanes)
-         do q = 1, size(lanes%level, 2)
-            call screen_demand(demand_terms - 1, q, lanes)
-         end do
-      end select
-      lanes%some_demand = any(lanes%may_exceed > 0)
-   end subroutine screen_demands
-
-   !> Compute the series of the terms of the demands.
-   pure subroutine expand_terms(terms, lanes)
-      integer, intent(in), value :: terms
-      !! number of terms
-      type(series_lanes_t), intent(inout) :: lanes
-      real(wp), dimension(0:order) :: p, s, c, hs, hc, l, q
-      real(wp) :: h, x, y, z, rate, b, hb
-      integer :: i, k, n
-
-      !$omp simd private(p, s, c, hs, hc, l, q, h, x, y, z, rate, b, hb, k, n)
-      do i = 1, series_width
-         !GCC$ unroll 16
-         do k = 0, order
-            p(k) = lanes%p(i, k)
-         end do
-         x = lane_sine(0.5_wp*p(0))
-         y = lane_cosine(0.5_wp*p(0))
-         hs(0) = x
-         hc(0) = y
-         s(0) = 2*x*y
-         ! the value 1 - cos(phi) stands apart
-         z = 2*x*x
-         c(0) = 1 - z
-         !GCC$ unroll 16
-         do n = 0, order - 1
-            x = c(0)*((n + 1)*p(n + 1))
-            y = s(0)*((n + 1)*p(n + 1))
-            !GCC$ unroll 16
-            do k = 1, n
-               x = x + c(k)*((n + 1 - k)*p(n + 1 - k))
-               y = y + s(k)*((n + 1 - k)*p(n + 1 - k))
-            end do
-            s(n + 1) = x*(1.0_wp/(n + 1))
-            c(n + 1) = y*(-1.0_wp/(n + 1))
-         end do
-         h = lanes%h(i)
-         rate = 1/h
-         x = lanes%t(i) - lanes%ground(i, 3)
-         lanes%base(i, 0, of_ground) = lanes%ground(i, 1) + lanes%ground(i, 2)*x
-         lanes%base(i, 0, of_upward) = lanes%upward(i, 1) + lanes%upward(i, 2)*x
-         lanes%base(i, 1, of_ground) = lanes%ground(i, 2)*h
-         lanes%base(i, 1, of_upward) = lanes%upward(i, 2)*h
-         y = h
-         !GCC$ unroll 16
-         do n = 2, order - 2
-            y = y*h
-            lanes%base(i, n, of_ground) = lanes%curve(i, n, 1)*y
-            lanes%base(i, n, of_upward) = lanes%curve(i, n, 2)*y
-         end do
-         !GCC$ unroll 16
-         do n = 0, order - 2
-            lanes%base(i, n, of_sine_2) = ((n + 1)*(n + 2))*(rate*rate)*s(n + 2)
-            lanes%base(i, n, of_cosine_2) = ((n + 1)*(n + 2))*(-rate*rate)*c(n + 2)
-         end do
-         if (terms <= motion_terms) cycle
-         !GCC$ unroll 16
-         do n = 0, order - 2
-            lanes%base(i, n, of_sine_1) = (n + 1)*rate*s(n + 1)
-            lanes%base(i, n, of_cosine_1) = (n + 1)*(-rate)*c(n + 1)
-            lanes%base(i, n, of_sine) = s(n)
-            lanes%base(i, n, of_phi) = p(n)
-            lanes%base(i, n, of_cosine) = merge(z, -c(n), n == 0)
-         end do
-         !GCC$ unroll 16
-         do n = 0, order - 2
-            x = p(n)*s(0)
-            y = p(n)*z
-            !GCC$ unroll 16
-            do k = 1, n
-               x = x + p(n - k)*s(k)
-               y = y - p(n - k)*c(k)
-            end do
-            lanes%base(i, n, of_phi_sine) = x
-            lanes%base(i, n, of_phi_cosine) = y
-         end do
-         if (terms <= axial_terms) cycle
-         ! the squared length of a straight tendon is (2h)**2 + 2 b**2 K + 4 h b S
-         b = lanes%straight(i, 4)
-         hb = 4*lanes%straight(i, 3)*b
-         b = 2*b*b
-         l(0) = sqrt(4*lanes%straight(i, 3)**2 + b*z + hb*s(0))
-         q(0) = 1/l(0)
-         !GCC$ unroll 16
-         do n = 0, order - 2
-            x = 0
-            y = 0
-            !GCC$ unroll 16
-            do k = 0, n
-               x = x + hc(k)*((n + 1 - k)*p(n + 1 - k))
-               y = y + hs(k)*((n + 1 - k)*p(n + 1 - k))
-            end do
-            hs(n + 1) = x*(0.5_wp/(n + 1))
-            hc(n + 1) = y*(-0.5_wp/(n + 1))
-            x = hb*s(n + 1) - b*c(n + 1)
-            !GCC$ unroll 16
-            do k = 1, n
-               x = x - l(k)*l(n + 1 - k)
-            end do
-            l(n + 1) = 0.5_wp*x*q(0)
-            x = 0
-            !GCC$ unroll 16
-            do k = 1, n + 1
-               x = x - l(k)*q(n + 1 - k)
-            end do
-            q(n + 1) = x*q(0)
-            lanes%base(i, n, of_rate) = (n + 1)*rate*p(n + 1)
-            lanes%base(i, n, of_half_sine) = hs(n)
-            lanes%base(i, n, of_half_cosine) = hc(n)
-            lanes%base(i, n, of_inverse) = q(n)
-            x = q(n)*s(0)
-            y = q(n)*z
-            !GCC$ unroll 16
-            do k = 1, n
-               x = x + q(n - k)*s(k)
-               y = y - q(n - k)*c(k)
-            end do
-            lanes%base(i, n, of_sine_over) = x
-            lanes%base(i, n, of_cosine_over) = y
-         end do
-      end do
-   end subroutine expand_terms
-
-   !> Screen the steps for a larger value of one demand.
-   !>
-   !> A function between its values at both ends of a step rises above them by at most an eighth of
-   !> its second derivative. The last terms bound those that are omitted.
-   pure subroutine screen_demand(terms, q, lanes)
-      integer, intent(in), value :: terms
-      !! number of terms with factors
-      integer, intent(in) :: q
-      !! number of the demand
-      type(series_lanes_t), intent(inout) :: lanes
-      real(wp) :: c(0:order - 2), x, y, f, bend, last, factor
-      integer :: i, k, n
-
-      !$omp simd private(c, x, y, f, bend, last, factor, k, n)
-      do i = 1, series_width
-         x = lanes%rows(i, of_constant, left, q)
-         c(0) = lanes%rows(i, of_constant, right, q)
-         c(0) = merge(c(0), x, lanes%side(i) > 0)
-         !GCC$ unroll 16
-         do k = 1, order - 2
-            c(k) = 0
-         end do
-         !GCC$ unroll 16
-         do n = 1, terms
-            x = lanes%rows(i, n, left, q)
-            factor = lanes%rows(i, n, right, q)
-            factor = merge(factor, x, lanes%side(i) > 0)
-            !GCC$ unroll 16
-            do k = 0, order - 2
-               c(k) = c(k) + factor*lanes%base(i, k, n)
-            end do
-         end do
-         x = lanes%x_most(i)
-         f = c(order - 2)
-         bend = ((order - 2)*(order - 3))*abs(f)
-         !GCC$ unroll 16
-         do k = order - 3, 0, -1
-            f = f*x + c(k)
-            if (k > 1) bend = bend*x + (k*(k - 1))*abs(c(k))
-         end do
-         last = x**(order - 3)*(abs(c(order - 2))*x + abs(c(order - 3)))
-         bend = 0.125_wp*bend*(x*x) + last
-         y = bend + max(max(c(0), f), merge(max(-c(0), -f), c(0), lanes%two_sided(q) > 0))
-         factor = merge(lanes%is_moving(i), 0.0_wp, y > lanes%level(i, q))
-         lanes%exceeds(i, q) = factor
-         lanes%may_exceed(i) = max(lanes%may_exceed(i), factor)
-      end do
-   end subroutine screen_demand
 
    !> Screen the steps for a larger velocity, by the Bernstein coefficients of its quadratic part.
    pure subroutine screen_speeds(lanes)

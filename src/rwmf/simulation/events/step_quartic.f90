@@ -243,7 +243,9 @@ contains
       edge(m) = 1
    end subroutine find_edges
 
-   !> Position where a polynomial passes a level between two positions, in which it is monotone.
+   !> Position where a polynomial passes a level once between two positions.
+   !>
+   !> Behind a turn, a velocity first moves away from zero: Newton's method would return there.
    pure real(wp) function place_between(p, level, begin, end) result(x)
       real(wp), intent(in) :: p(0:5)
       real(wp), intent(in) :: level
@@ -268,10 +270,12 @@ contains
             low = x
          end if
          ! Newton's method inside the bracket
-         if (abs(slope) > 0) x = x - value/slope
-         if (abs(value) <= resolution*abs(slope)) then
-            x = min(high, max(low, x))
-            return
+         if ((slope > 0) .eqv. rises) then
+            if (abs(slope) > 0) x = x - value/slope
+            if (abs(value) <= resolution*abs(slope)) then
+               x = min(high, max(low, x))
+               return
+            end if
          end if
          if (.not. (x > low .and. x < high)) x = low + (high - low)/2
          if (high - low <= resolution) return

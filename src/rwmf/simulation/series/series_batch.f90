@@ -2,7 +2,7 @@
 module rwmf_simulation_series_series_batch
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_series_series_kernels, only: series_kernels_of, series_kernels_t
-   use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
+   use rwmf_integrator_series_series_lanes, only: most_lines, series_lanes_t, series_width
    use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect, storeys_effect, &
       vertical_effect
    use rwmf_model_elements, only: chord_row, of_fuse, of_restraint
@@ -16,7 +16,7 @@ module rwmf_simulation_series_series_batch
    implicit none
    private
 
-   public :: series_batch_t, create_series_batch, is_served
+   public :: series_batch_t, create_series_batch, is_served, needs_rises
    public :: at_lower, at_upper, at_turn
 
    integer, parameter :: at_lower = 0
@@ -132,6 +132,7 @@ contains
       lanes%inerter = 0
       lanes%excited = 1
       lanes%straight = 1
+      lanes%straight(:, :2, :, :) = 0
       lanes%rtol = 1
       lanes%least_size = 1
       lanes%allowance = 1
@@ -170,14 +171,22 @@ contains
       do i = 1, size(equation%scene%terms)
          is_served = is_served .and. any(known == equation%scene%terms(i)%effect)
       end do
-      ! the loop of curved motions has no restraints and couplings
-      if (any(equation%scene%terms%effect == rise_term)) is_served = is_served &
-         .and. is_piecewise_linear(equation%motion)
+      if (needs_rises(equation)) is_served = is_served .and. is_piecewise_linear(equation%motion)
       if (is_served .and. has_elements(equation)) is_served = serves_elements(equation)
    end function is_served
 
-   !> Return whether the series knows the elements of a scene: no straight tendon off the axis,
-   !> equal damping on both sides, and springs that never lift the wall off both corners.
+   !> Return whether a scene needs the loop of restraints, couplings and several straight tendons,
+   !> which has no pulses.
+   pure logical function needs_rises(equation)
+      type(equation_t), intent(in) :: equation
+
+      needs_rises = any(equation%scene%terms%effect == rise_term)
+      if (has_elements(equation)) needs_rises = needs_rises .or. count( &
+         equation%elements%stroke%kind == along_line) > 1
+   end function needs_rises
+
+   !> Return whether the series knows the elements of a scene: few straight tendons, equal damping
+   !> on both sides, and springs that never lift the wall off both corners.
    pure logical function serves_elements(equation) result(is_served)
       type(equation_t), intent(in) :: equation
       real(wp) :: capacity, rows(chord_coefficients, 2)
@@ -186,11 +195,8 @@ contains
       if (.not. has_tendons(equation)) capacity = capacity*(1 + equation%p%eta_0)
       rows(:, 1) = chord_row(equation%elements, equation%state%springs, -1, equation%p%R)
       rows(:, 2) = chord_row(equation%elements, equation%state%springs, 1, equation%p%R)
-      associate (elements => equation%elements)
-         is_served = abs(rows(3, 1) - rows(3, 2)) <= 0 .and. .not. any(elements%stroke%kind &
-            == along_line .and. (abs(elements%offset) > 0 .or. count(elements%stroke%kind &
-            == along_line) > 1)) .and. push_of(equation) <= capacity
-      end associate
+      is_served = abs(rows(3, 1) - rows(3, 2)) <= 0 .and. push_of(equation) <= capacity &
+         .and. count(equation%elements%stroke%kind == along_line) <= most_lines
    end function serves_elements
 
    !> Largest force with which fuses and restraints may push the wall up, over m_w [m/s2].

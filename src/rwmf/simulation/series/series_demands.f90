@@ -76,6 +76,8 @@ contains
          has_plain_pivot = equation%walls == 1 .and. .not. (equation%floors%are_linked &
             .or. any(effects == inerter_effect .or. effects == p_delta_effect))
       end associate
+      if (has_elements(equation)) has_plain_pivot = has_plain_pivot .and. count( &
+         equation%elements%stroke%kind == along_line) <= 1
    end function has_plain_pivot
 
    !> List the demands that the runs of a batch record, if any.

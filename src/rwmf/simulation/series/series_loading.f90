@@ -11,6 +11,7 @@ module rwmf_simulation_series_series_loading
    use rwmf_model_elements, only: axis_row, chord_row, line_rows, rise_row
    use rwmf_model_drift_limits, only: drift_ratios
    use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect
+   use rwmf_model_lanes, only: line_coefficients
    use rwmf_model_equation, only: cable_force_at, enter_interval, enter_side, equation_t, &
       frame_displacement, frame_mass, interval_of
    use rwmf_model_hysteresis_spring_set, only: renew_window
@@ -25,7 +26,7 @@ module rwmf_simulation_series_series_loading
    use rwmf_simulation_hybrid_transitions, only: negligible
    use rwmf_simulation_lanes_batch, only: lane_state_t
    use rwmf_simulation_recorder_recorder, only: recorder_t
-   use rwmf_simulation_series_series_batch, only: series_batch_t
+   use rwmf_simulation_series_series_batch, only: needs_rises, series_batch_t
    use rwmf_simulation_series_series_demands, only: follow_lane, list_demands, &
       load_demands
    use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, mode_rest, progress_t
@@ -160,7 +161,7 @@ contains
          lanes%weight_share(i) = equation%uplift%weight_share
          lanes%has_straight_cable = any(equation%scene%terms%effect == line_term)
          lanes%has_fuses = equation%may_hold
-         lanes%has_rises = any(equation%scene%terms%effect == rise_term)
+         lanes%has_rises = needs_rises(equation)
          lanes%has_branches = equation%has_bilinear_springs
          lanes%has_curves = .not. is_piecewise_linear(equation%motion)
          lanes%curve(i, :, :) = 0
@@ -214,9 +215,10 @@ contains
                      lanes%cable_slope(i, m) = row(2)
                   end associate
                case (line_term)
-                  ! half of the length at rest
-                  lanes%straight(i, :) = line_rows(equation%elements, state%springs, side, p%R) &
-                     *[1.0_wp, 1.0_wp, 0.5_wp, 1.0_wp]
+                  associate (rows => line_rows(equation%elements, state%springs, side, p%R))
+                     lanes%straight(i, :, m, :size(rows)/line_coefficients) = reshape(rows, &
+                        [line_coefficients, size(rows)/line_coefficients])
+                  end associate
                case (chord_term)
                   associate (row => chord_row(equation%elements, state%springs, side, p%R))
                      lanes%fuse(i, m) = row(1)
