@@ -29,15 +29,16 @@ NAMING_MODULES = {"storeys": 6, "vertical": 5, "yielding": 5}
 # Procedures over the bounds, with reasons. Remove the line of a procedure when you shorten it.
 _CALLER_IS_NO_FORTRAN = "an interface for f2py: scalars and plain arrays, no types"
 _STEP_OF_A_HOST = "both ends of a step of a host, what is found, and an error that it may leave out"
+_VECTORISED = "a vectorised loop: a call would end it"
 LARGE: dict[str, str] = {
-    "rwmf_integrator_lane_control:accept_or_reject": "a vectorised loop: a call would end it",
+    "rwmf_integrator_lane_control:accept_or_reject": _VECTORISED,
     "rwmf_integrator_lane_step:attempt_step": "a block of lanes as plain arrays",
     "rwmf_integrator_lane_quiet:find_quiet_steps": "a block of lanes as plain arrays",
     "rwmf_integrator_lane_screens:screen_steps": "a block of lanes as plain arrays",
-    "rwmf_integrator_series_series_loops:end_all": "a vectorised loop: a call would end it",
-    "rwmf_integrator_series_series_loops:expand": "a vectorised loop: a call would end it",
-    "rwmf_integrator_series_series_demand_loops:expand_terms": "a vectorised loop: a call would end it",
-    "rwmf_integrator_series_series_loops:screen": "a vectorised loop: a call would end it",
+    "rwmf_integrator_series_series_loops:end_all": _VECTORISED,
+    "rwmf_integrator_series_series_loops:expand": _VECTORISED,
+    "rwmf_integrator_series_series_demand_loops:expand_terms": _VECTORISED,
+    "rwmf_integrator_series_series_loops:screen": _VECTORISED,
     "rwmf_embedding_element:next_impact": _STEP_OF_A_HOST,
     "rwmf_embedding_element:next_lift_off": _STEP_OF_A_HOST,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
