@@ -9,7 +9,7 @@ module rwmf_integrator_taylor
       step_too_small, tolerance_t
    use rwmf_model_effects_numbers, only: nl_damper_effect
    use rwmf_model_equation, only: equation_t, interval_of
-   use rwmf_model_series_corner_series, only: negligible_rate
+   use rwmf_model_series_corner_series, only: negligible_time, rate_after
    use rwmf_model_series_scene_series, only: expand_states, series_memory, smooth_springs
    use rwmf_model_series_series_motion, only: highest_order, series_motion_t, set_ground
    use rwmf_motion_ground_motion, only: expand_ground
@@ -150,16 +150,18 @@ contains
       class(taylor_t), intent(inout) :: self
       real(wp), intent(inout) :: longest
       !! longest step [s]
-      real(wp) :: negligible, turn
+      integer, parameter :: terms = 4
+      !! of the acceleration, of which the first ones vanish at a lift-off
+      real(wp) :: turn(terms), time
 
-      self%motion%laws%negligible_rate = 0
+      self%motion%laws%negligible_rate = huge(time)
       call begin_series(self, longest)
-      call expand(self, 1)
-      turn = abs(self%motion%turn(1, 0))
-      negligible = negligible_rate(self%equation%state%coef(1, self%damper:self%damper + 2), turn, &
+      call expand(self, terms)
+      turn = abs(self%motion%turn(1, :terms - 1))
+      time = negligible_time(self%equation%state%coef(1, self%damper:self%damper + 3), turn, &
          self%motion%inertia(1, 0), allowed(self, 2))
-      self%motion%laws%negligible_rate = negligible
-      if (abs(self%y0(2)) <= negligible) longest = min(longest, 2*negligible/turn)
+      self%motion%laws%negligible_rate = rate_after(turn, time)
+      if (abs(self%y0(2)) <= self%motion%laws%negligible_rate(1)) longest = min(longest, 2*time)
    end subroutine approach_turn
 
    !> Find the states of smooth springs at which their powers are negligible. Until |z|, they change

@@ -83,6 +83,18 @@ def test_methods_agree_and_the_ledger_closes(exponent: float) -> None:
         assert u_s_max == pytest.approx(exact, rel=1e-7), method
 
 
+@pytest.mark.parametrize("exponent", [0.7, 0.9, 1.1, 2.0])
+def test_a_series_from_a_lift_off_has_the_damper(exponent: float) -> None:
+    """Velocity and acceleration vanish at a lift-off, so that no power of the time is the first."""
+    case = scene(
+        cable=None, nl_damper={"eta_1": 0.1, "exponent": exponent}, impact={"e": 0.8},
+        solver={"t_end": 3.0, "rtol": 1e-11, "method": "taylor"},
+    )  # fmt: skip
+    tight = rwmf.simulate(case.replace(solver={"method": "dop853", "rtol": 1e-13}))
+    expected = pytest.approx(float(tight["theta_max_over_alpha"]), rel=3e-11)
+    assert float(rwmf.simulate(case)["theta_max_over_alpha"]) == expected
+
+
 @pytest.mark.parametrize("exponent", [0.15, 0.5])
 def test_spectra_are_runs(exponent: float) -> None:
     case = scene(

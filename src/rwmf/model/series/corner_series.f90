@@ -11,7 +11,8 @@ module rwmf_model_series_corner_series
    private
 
    public :: expand_inerter, expand_nl_damper, expand_vertical
-   public :: expand_leaning_column, expand_excited_mass, negligible_rate
+   public :: expand_leaning_column, expand_excited_mass, negligible_time, &
+      rate_after
 
 contains
 
@@ -54,24 +55,54 @@ contains
       end associate
    end subroutine expand_nl_damper
 
-   !> Velocity below which the impulse of the nonlinear dampers until the next turn is negligible,
-   !> far below the one at which they balance the moment.
-   pure real(wp) function negligible_rate(coef, turn, inertia, impulse) result(rate)
+   !> Time from a turn on in which the impulse of the nonlinear dampers is negligible, and their
+   !> moment far below the one that moves the wall [s].
+   pure real(wp) function negligible_time(coef, turn, inertia, impulse) result(time)
       real(wp), intent(in) :: coef(4)
       !! coefficients as of `add_nl_damper`
-      real(wp), intent(in) :: turn
-      !! |phi''| [rad/s2]
+      real(wp), intent(in) :: turn(:)
+      !! coefficients of |phi''| in powers of the time since the turn, without the dampers. At a
+      !! lift-off from rest the first one is zero [rad/s2/s**k]
       real(wp), intent(in) :: inertia
       !! over m_w R**2 [-]
       real(wp), intent(in) :: impulse
       !! change of phi' that is negligible [rad/s]
       real(wp), parameter :: far = 0.1_wp
+      integer, parameter :: most = 60
+      integer :: k
 
-      associate (at_unit => coef(2)*coef(1)**coef(3)/inertia, a => coef(3))
-         rate = (impulse*turn/at_unit)**(1/(1 + a))
-         rate = min(rate, far*(turn/at_unit)**(1/a))
+      time = sqrt(huge(time))
+      associate (at_unit => coef(2)*coef(1)**coef(3)/inertia, a => coef(3), n => size(turn))
+         do k = 1, n
+            ! the largest of n terms is at least the n-th part of their sum
+            time = min(time, (impulse/(at_unit*max(n*turn(k)/k, tiny(time))**a))**(1/(1 + k*a)))
+         end do
+         do k = 1, most
+            if (at_unit*rate_after(turn, time)**a <= far**a*acceleration_after(turn, time)) exit
+            time = 0.5_wp*time
+         end do
       end associate
-   end function negligible_rate
+
+   contains
+
+      !> Acceleration at a time after the turn [rad/s2].
+      pure real(wp) function acceleration_after(turn, time)
+         real(wp), intent(in) :: turn(:), time
+
+         acceleration_after = sum(turn*[(time**(k - 1), k=1, size(turn))])
+      end function acceleration_after
+   end function negligible_time
+
+   !> Velocity at a time after a turn [rad/s].
+   pure real(wp) function rate_after(turn, time)
+      real(wp), intent(in) :: turn(:)
+      !! coefficients of |phi''| in powers of the time since the turn [rad/s2/s**k]
+      real(wp), intent(in) :: time
+      !! [s]
+      integer :: k
+
+      rate_after = sum(turn*[(time**k/k, k=1, size(turn))])
+   end function rate_after
 
    !> Add the moment of the vertical ground motion.
    pure subroutine expand_vertical(n, coef, motion)
