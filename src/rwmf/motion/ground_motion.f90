@@ -348,19 +348,19 @@ contains
       !! (order) coefficients over s**k, horizontal and vertical (upward) [m/s2]
       type(line_t) :: line
 
-      line = line_of(motion, interval)
       if (is_curved(motion, interval)) then
          call curve_series(motion%curve, t, ground(0:order))
       else if (motion%shape == shape_given .and. interval == 1) then
          call fit_series(motion%ground, t, span, ground(0:order))
       else
+         line = line_of(motion, interval)
          order = 1
          ground(0) = acceleration(motion, interval, t)
          ground(1) = line%slope
       end if
       upward(0:order) = motion%vertical_ratio*ground(0:order)
       if (.not. allocated(motion%upward)) return
-      line = vertical_line_of(motion, interval, line)
+      line = vertical_line_of(motion, interval, line_of(motion, interval))
       upward(0:order) = 0
       upward(0) = line%a_0 + line%slope*(t - line%t_0)
       upward(1) = line%slope

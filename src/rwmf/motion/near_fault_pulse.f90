@@ -193,14 +193,19 @@ contains
       !! [rad]
       real(wp), intent(inout) :: series(0:)
       !! (order) coefficients
-      real(wp) :: term(0:1)
+      integer, parameter :: highest = 32
+      integer :: i
+      real(wp), parameter :: ratio(0:highest) = [(1.0_wp/((i + 1)*(i + 2)), i=0, highest)]
+      !! of the coefficients of order i and i + 2, without the frequencies
+      real(wp) :: term(0:1), square
       integer :: k
 
       term = size*[sin(phase), frequency*cos(phase)]
+      square = -frequency**2
       do k = 0, ubound(series, 1)
-         associate (of_parity => term(modulo(k, 2)))
+         associate (of_parity => term(iand(k, 1)))
             series(k) = series(k) + of_parity
-            of_parity = -of_parity*(frequency**2/((k + 1)*(k + 2)))
+            of_parity = of_parity*(square*ratio(k))
          end associate
       end do
    end subroutine add_sine

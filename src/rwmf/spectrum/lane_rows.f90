@@ -349,12 +349,14 @@ contains
       type(request_t), intent(in) :: request
       type(lane_run_t), intent(in) :: run
       type(pair_t) :: pair
+      integer :: order
 
-      pair = pair_for(run%case, run%equation)
+      order = order_for(request, run)
+      if (order == 0) pair = pair_for(run%case, run%equation)
       kind = kind_t(run%equation%scene, run%equation%has_vertical, &
          run%equation%has_loading_direction, .not. is_piecewise_linear(run%equation%motion), &
-         run%equation%hysteresis%place, pair%stages, &
-         order_for(request, run), run%case%solver%max_steps, run%case%solver%t_end)
+         run%equation%hysteresis%place, pair%stages, order, run%case%solver%max_steps, &
+         run%case%solver%t_end)
    end function kind_of
 
    !> Order of the series for a run; 0 if a pair has to integrate it.

@@ -31,6 +31,8 @@ module rwmf_simulation_series_series_batch
       !! number of the interval of the motion of each lane
       logical :: is_busy(series_width) = .false.
       !! the lane has a run
+      logical :: is_curved(series_width) = .false.
+      !! `lanes%curve` of the lane is not zero
       real(wp) :: last(series_width, 2) = 2
       !! by side: phi at which the run ends, overturned or collapsed [rad]
       integer :: ending(series_width) = at_lower

@@ -240,21 +240,29 @@ contains
       type(lane_state_t), intent(in) :: lanes(:)
       type(series_batch_t), intent(inout) :: batch
       real(wp) :: ground(0:most_terms_of_series), upward(0:most_terms_of_series)
-      integer :: i, order
+      integer :: i, k, order
 
       do i = 1, series_width
          if (.not. batch%lanes%is_busy(i) > 0) cycle
          associate (equation => lanes(i)%equation, series => batch%lanes)
-            series%curve(i, :, :) = 0
-            if (.not. is_curved(equation%motion, batch%interval(i))) cycle
+            if (.not. is_curved(equation%motion, batch%interval(i))) then
+               if (batch%is_curved(i)) series%curve(i, :, :) = 0
+               batch%is_curved(i) = .false.
+               cycle
+            end if
+            batch%is_curved(i) = .true.
             order = batch%kernels%order
             call expand_ground(equation%motion, batch%interval(i), series%t(i), 0.0_wp, order, &
                ground, upward)
             series%ground(i, :) = [ground(0:1), series%t(i)]
-            series%curve(i, 2:order, 1) = ground(2:order)
+            do k = 2, order
+               series%curve(i, k, 1) = ground(k)
+            end do
             if (.not. equation%has_vertical) cycle
             series%upward(i, :) = upward(0:1)
-            series%curve(i, 2:order, 2) = upward(2:order)
+            do k = 2, order
+               series%curve(i, k, 2) = upward(k)
+            end do
          end associate
       end do
    end subroutine load_curves
