@@ -130,7 +130,9 @@ contains
       !! at least `size(regime%passed)`
       integer, intent(out) :: n
       !! number of functions
-      real(wp) :: c(0:highest_order)
+      real(wp), parameter :: spacings = 16
+      !! round-off of a sum of products [-]
+      real(wp) :: c(0:highest_order), noise
       integer :: k, order
 
       n = 0
@@ -151,6 +153,10 @@ contains
                   do k = 0, order
                      c(k) = product_term(k, of%z, of%contact%a2) - product_term(k, &
                         of%contact%b2, of%turn%sine)
+                     ! both conditions are the same for a wall that stands or slides without rocking
+                     noise = product_term(k, abs(of%z), abs(of%contact%a2)) + product_term(k, &
+                        abs(of%contact%b2), abs(of%turn%sine))
+                     if (abs(c(k)) <= spacings*epsilon(noise)*noise) c(k) = 0
                   end do
                   call add(of_cross, c)
                end if

@@ -18,10 +18,21 @@ module rwmf_simulation_series_series_batch
 
    public :: series_batch_t, create_series_batch, is_served, needs_rises
    public :: at_lower, at_upper, at_turn
+   public :: demand_t, of_reactions, of_building, of_envelopes
 
    integer, parameter :: at_lower = 0
    integer, parameter :: at_upper = 1
    integer, parameter :: at_turn = 2
+   integer, parameter :: of_reactions = 1, of_building = 2, of_envelopes = 3
+   !! families of demands
+
+   !> Demand that the runs of a batch record.
+   type :: demand_t
+      integer :: family = 0
+      !! one of the numbers above: the search that records it
+      integer :: number = 0
+      !! number in this search
+   end type demand_t
 
    !> Runs that step together.
    type :: series_batch_t
@@ -37,9 +48,8 @@ module rwmf_simulation_series_series_batch
       !! by side: phi at which the run ends, overturned or collapsed [rad]
       integer :: ending(series_width) = at_lower
       !! one of the `at_` numbers: the end of the window at the event of each lane
-      integer, allocatable :: demands(:)
-      !! (demands) their numbers: those of the reactions, then those of the building, see
-      !! `list_demands`
+      type(demand_t), allocatable :: demands(:)
+      !! (demands) those that the runs record
       logical :: has_ended = .true.
       !! a run is over, or a lane has none
       real(wp), allocatable :: lines(:, :)

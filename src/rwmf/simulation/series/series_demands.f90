@@ -19,10 +19,11 @@ module rwmf_simulation_series_series_demands
    use rwmf_motion_ground_motion, only: interval_last
    use rwmf_simulation_lanes_batch, only: lane_state_t
    use rwmf_simulation_recorder_force_envelopes, only: of_series
-   use rwmf_simulation_recorder_peak_search, only: has_search, search_state
+   use rwmf_simulation_recorder_peak_search, only: has_search, peak_search_t, search_state
    use rwmf_simulation_recorder_reaction_extremes, only: backward
    use rwmf_simulation_recorder_recorder, only: recorder_t
-   use rwmf_simulation_series_series_batch, only: series_batch_t
+   use rwmf_simulation_series_series_batch, only: demand_t, of_building, of_envelopes, &
+      of_reactions, series_batch_t
    implicit none
    private
 
@@ -31,8 +32,6 @@ module rwmf_simulation_series_series_demands
    integer, parameter :: of_horizontal = 1, of_normal = 2, of_shear = 3, of_frame = 4, of_link = 5
    !! sums of terms: forces of the pivot H and N, base shear, the frame's acceleration relative to
    !! the ground, and the force of the link, over m_w [m/s2]
-   integer, parameter :: of_envelopes = 1000000
-   !! offset of the numbers of the largest normal force and of the force of the link
 
 contains
 
@@ -81,7 +80,7 @@ contains
    end function has_plain_pivot
 
    !> List the demands that the runs of a batch record, if any.
-   pure subroutine list_demands(recorder, equation, batch)
+   subroutine list_demands(recorder, equation, batch)
       type(recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       !! of its first run
@@ -89,27 +88,18 @@ contains
       integer :: q
 
       allocate (batch%demands(0))
-      if (allocated(recorder%forces)) then
-         do q = 1, backward
-            if (recorder%forces%leader(q) == q) batch%demands = [batch%demands, q]
-         end do
-      end if
       batch%lanes%terms = motion_terms
-      if (any(batch%demands /= shear)) batch%lanes%terms = axial_terms
+      if (allocated(recorder%forces)) call add(of_reactions, [(q, q=1, backward)], &
+         recorder%forces%leader(:backward), any_but=shear)
       if (allocated(recorder%demands)) then
          associate (leader => recorder%demands%leader, drifts => recorder%demands%building%drifts)
-            do q = 1, size(leader)
-               if (leader(q) == q) batch%demands = [batch%demands, backward + q]
-            end do
+            call add(of_building, [(q, q=1, size(leader))], leader)
             if (any(leader(:drifts) > 0)) batch%lanes%terms = max(batch%lanes%terms, axial_terms)
          end associate
       end if
       if (allocated(recorder%envelopes)) then
-         if (any(recorder%envelopes%leader > 0)) batch%lanes%terms = max(batch%lanes%terms, &
-            axial_terms)
          associate (numbers => of_series(recorder%envelopes))
-            batch%demands = [batch%demands, pack(of_envelopes + [(q, q=1, size(numbers))], &
-               recorder%envelopes%leader(numbers) > 0)]
+            call add(of_envelopes, numbers, recorder%envelopes%leader(numbers), any_but=0)
          end associate
       end if
       if (batch%lanes%terms > motion_terms .and. has_elements(equation)) then
@@ -121,10 +111,70 @@ contains
          allocate (batch%lanes%rows(series_width, demand_terms, left:right, n), &
             batch%lanes%level(series_width, n), batch%lanes%exceeds(series_width, n), &
             source=0.0_wp)
-         batch%lanes%two_sided = merge(1.0_wp, 0.0_wp, batch%demands == shear &
-            .or. (batch%demands > backward .and. batch%demands /= of_envelopes + 1))
+         batch%lanes%two_sided = [(merge(1.0_wp, 0.0_wp, has_two_signs(batch%demands(q), &
+            recorder)), q=1, n)]
       end associate
+
+   contains
+
+      !> List the demands of a family that are searched.
+      subroutine add(family, numbers, leader, any_but)
+         integer, intent(in) :: family, numbers(:)
+         integer, intent(in) :: leader(:)
+         !! (numbers) of the search
+         integer, intent(in), optional :: any_but
+         !! all others need the terms of forces
+         integer :: k
+
+         do k = 1, size(numbers)
+            if (leader(k) /= numbers(k)) cycle
+            batch%demands = [batch%demands, demand_t(family, numbers(k))]
+            if (.not. present(any_but)) cycle
+            if (numbers(k) /= any_but) batch%lanes%terms = max(batch%lanes%terms, axial_terms)
+         end do
+      end subroutine add
    end subroutine list_demands
+
+   !> Return whether the magnitude of a demand counts.
+   pure logical function has_two_signs(of, recorder)
+      type(demand_t), intent(in) :: of
+      type(recorder_t), intent(in) :: recorder
+
+      select case (of%family)
+      case (of_reactions)
+         has_two_signs = of%number == shear
+      case (of_building)
+         has_two_signs = .true.
+      case default
+         has_two_signs = .not. is_normal(of, recorder)
+      end select
+   end function has_two_signs
+
+   !> The search that records a family of demands.
+   function search_of(recorder, family) result(search)
+      type(recorder_t), intent(in), target :: recorder
+      integer, intent(in) :: family
+      class(peak_search_t), pointer :: search
+
+      select case (family)
+      case (of_reactions)
+         search => recorder%forces
+      case (of_building)
+         search => recorder%demands
+      case default
+         search => recorder%envelopes
+      end select
+   end function search_of
+
+   !> Return whether a demand of the envelopes is the normal force of the pivot, not that of a link.
+   pure logical function is_normal(of, recorder)
+      type(demand_t), intent(in) :: of
+      type(recorder_t), intent(in) :: recorder
+
+      associate (numbers => of_series(recorder%envelopes))
+         is_normal = of%number == numbers(1)
+      end associate
+   end function is_normal
 
    !> Load the factors of the terms and the levels of a lane's demands.
    subroutine load_demands(lane, i, batch)
@@ -132,26 +182,28 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
-      real(wp) :: sums(demand_terms, of_link)
+      class(peak_search_t), pointer :: search
+      real(wp) :: sums(demand_terms, of_link), row(demand_terms), level
       integer :: m, n
 
       if (.not. allocated(batch%lanes%rows)) return
       do m = left, right
          sums = sums_of_terms(lane%equation, 2*m - 3)
          do n = 1, size(batch%demands)
-            if (batch%demands(n) > of_envelopes) then
-               batch%lanes%rows(i, :, m, n) = sums(:, merge(of_normal, of_link, batch%demands(n) &
-                  == of_envelopes + 1))
-               batch%lanes%level(i, n) = lane%recorder%envelopes%level(envelope_of(lane, &
-                  batch%demands(n)))
-            else if (batch%demands(n) > backward) then
-               batch%lanes%rows(i, :, m, n) = building_row(lane, batch%demands(n) - backward, &
-                  sums(:, of_frame), 2*m - 3)
-               batch%lanes%level(i, n) = lane%recorder%demands%level(batch%demands(n) - backward)
-            else
-               call load_reaction(lane, batch%demands(n), sums, batch%lanes%rows(i, :, m, n), &
-                  batch%lanes%level(i, n))
-            end if
+            associate (of => batch%demands(n))
+               search => search_of(lane%recorder, of%family)
+               level = search%level(of%number)
+               select case (of%family)
+               case (of_reactions)
+                  call load_reaction(lane, of%number, sums, row, level)
+               case (of_building)
+                  row = building_row(lane, of%number, sums(:, of_frame), 2*m - 3)
+               case default
+                  row = sums(:, merge(of_normal, of_link, is_normal(of, lane%recorder)))
+               end select
+            end associate
+            batch%lanes%rows(i, :, m, n) = row
+            batch%lanes%level(i, n) = level
          end do
       end do
    end subroutine load_demands
@@ -331,6 +383,7 @@ contains
       !! +1 or -1
       integer, parameter :: most = 20
       real(wp), parameter :: same = 1.0e-13_wp
+      class(peak_search_t), pointer :: search
       real(wp) :: c(0:batch%kernels%order - 2), largest, place, phi, slope, y(2), rates(2), before
       integer :: k, m, round
 
@@ -346,20 +399,15 @@ contains
             if (.not. largest > lanes%level(i, n)) return
             call evaluate(lanes%p(i, :batch%kernels%order), place, phi, slope)
             y = lanes%side(i)*[max(phi, 0.0_wp), slope/lanes%h(i)]
-            associate (t => lanes%t(i) + place*lanes%h(i), q => batch%demands(n))
-               call rates_at(lane%equation, t, y, rates)
-               before = huge(before)
-               if (q > of_envelopes) then
-                  call search_state(lane%recorder%envelopes, lane%equation, t, y, rates, &
-                     envelope_of(lane, q))
-               else if (q > backward) then
-                  call search_state(lane%recorder%demands, lane%equation, t, y, rates, q - backward)
-               else
+            before = huge(before)
+            associate (t => lanes%t(i) + place*lanes%h(i), of => batch%demands(n))
+               search => search_of(lane%recorder, of%family)
+               if (of%family == of_reactions .and. all(of%number /= [low_normal, shear]) &
+                   .and. .not. lane%equation%parts%has_shear_key) then
                   before = lane%recorder%forces%largest_demand
-                  call search_state(lane%recorder%forces, lane%equation, t, y, rates, q)
-                  if (any(q == [low_normal, shear])) before = huge(before)
-                  if (lane%equation%parts%has_shear_key) before = huge(before)
                end if
+               call rates_at(lane%equation, t, y, rates)
+               call search_state(search, lane%equation, t, y, rates, of%number)
             end associate
             call load_demands(lane, i, batch)
             if (before >= huge(before)) return
@@ -367,16 +415,6 @@ contains
          end do
       end associate
    end subroutine search_demand
-
-   !> Number of a demand in the search of the envelopes.
-   pure integer function envelope_of(lane, q) result(number)
-      type(lane_state_t), intent(in) :: lane
-      integer, intent(in) :: q
-
-      associate (numbers => of_series(lane%recorder%envelopes))
-         number = numbers(q - of_envelopes)
-      end associate
-   end function envelope_of
 
    !> Move the equation of a lane to the side and the interval of its step.
    subroutine follow_lane(lane, i, batch)
