@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import collection
-import pytest
-from checkout import ROOT
-from hard_scenes import METHODS, Hard
-
-sys.path.append(str(ROOT / "bench"))
-
 import hard_cases
+import pytest
+from hard_scenes import METHODS, Hard
 
 ANSWERS = collection.read_answers()
 EVERY = list(collection.every_case())

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import fuzz_sizes
 import pytest
+from checkout import BATCH, run_words
 
 FIRST = int(os.environ.get("RWMF_FUZZ_FIRST", "0"))
 ATTACKS = int(os.environ.get("RWMF_FUZZ", "1"))
@@ -26,7 +27,7 @@ def test_every_law_in_many_storeys(law: str, tmp_path: Path) -> None:
     # a matrix of the storeys is larger than the stack
     text = fuzz_sizes.building(400, "full", law, "dop853")
     (tmp_path / "case.nml").write_text(text.replace("t_end = 2e-4", "t_end = 1e-4"), "utf-8")
-    done = fuzz_sizes.run_small([fuzz_sizes.BATCH, "case.nml"], tmp_path, {})
+    done = run_words([BATCH, "case.nml"], tmp_path, fuzz_sizes.STACK)
     assert done.returncode == 0, done.stderr
 
 

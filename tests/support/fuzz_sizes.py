@@ -7,14 +7,12 @@ other numbers are small. All of them run with a small stack.
 from __future__ import annotations
 
 import random
-import resource
-import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from checkout import BATCH, ROOT
+from checkout import BATCH, ROOT, run_words
 from rwmf.kernel import tables
 
 # the least stack of the main thread and of each worker that the documentation promises [bytes]
@@ -190,40 +188,6 @@ def attack(kind: str, number: int) -> Attack:
     return KINDS[kind](random.Random(f"{kind} {number}"))
 
 
-def run_small(
-    words: list[str | Path], folder: Path, environment: Mapping[str, str]
-) -> subprocess.CompletedProcess[str]:
-    """Run a command with a stack of `STACK`.
-
-    Parameters
-    ----------
-    words : list
-        Program and arguments.
-    folder : path
-        Where it runs.
-    environment : dict
-        Further variables.
-
-    Returns
-    -------
-    subprocess.CompletedProcess
-        Status and streams.
-    """
-
-    def shrink() -> None:
-        resource.setrlimit(resource.RLIMIT_STACK, (STACK, STACK))
-
-    return subprocess.run(
-        ["env", *(f"{name}={value}" for name, value in environment.items()), *words],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-        preexec_fn=shrink,
-    )
-
-
 def survive(found: Attack, folder: Path) -> None:
     """Run an attack by the batch program and by Python, each with a small stack.
 
@@ -236,9 +200,9 @@ def survive(found: Attack, folder: Path) -> None:
     """
     for name, text in found.files.items():
         (folder / name).write_text(text, encoding="utf-8")
-    done = run_small([BATCH, "case.nml"], folder, found.environment)
+    done = run_words([BATCH, "case.nml"], folder, STACK, **found.environment)
     assert done.returncode == 0, (done.returncode, done.stderr[-2000:])
     code = "import numpy as np, rwmf\ncase = rwmf.Case.from_namelist('case.nml')\n" + found.lines
-    path = {"PYTHONPATH": str(ROOT / "driver")}
-    done = run_small([sys.executable, "-c", code], folder, {**found.environment, **path})
+    place = {"PYTHONPATH": str(ROOT / "driver")}
+    done = run_words([sys.executable, "-c", code], folder, STACK, **found.environment, **place)
     assert done.returncode == 0, (done.returncode, done.stderr[-2000:])

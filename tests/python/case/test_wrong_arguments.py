@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -20,10 +21,6 @@ import xarray as xr
 from rwmf.assess.cost import Cost
 from rwmf.kernel.tables import schema
 from scenes import bare_frame, coupled
-
-pytest.importorskip("matplotlib")
-
-import matplotlib.pyplot as plt
 
 # values that are wrong for most arguments
 WRONG: dict[str, Any] = {

@@ -7,7 +7,6 @@ import csv
 import io
 import json
 import random
-import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
@@ -18,6 +17,8 @@ from xml.etree import ElementTree
 
 import pytest
 import rwmf
+import xarray as xr
+from checkout import run_words
 from rwmf import cli
 from rwmf.assess.loss import nrml_text, write_pelicun
 from rwmf.assess.table import table_of, write_dataset
@@ -92,8 +93,6 @@ def _csv(path: Path, name: str) -> None:
 
 
 def _netcdf(path: Path, name: str) -> None:
-    import xarray as xr
-
     with xr.open_dataset(path, engine="h5netcdf") as found:
         assert found.sizes
 
@@ -191,15 +190,13 @@ def test_names_in_notebooks_and_in_the_explorer(
 
 def test_a_name_does_not_steer_the_terminal(tmp_path: Path) -> None:
     """Control characters are printed as numbers."""
-    words = [sys.executable, "-m", "rwmf", "check", "missing\x1b[31m\x9b.nml"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = run_words([sys.executable, "-m", "rwmf", "check", "missing\x1b[31m\x9b.nml"], tmp_path)
     assert done.returncode == 2
     assert "missing\\x1b[31m\\x9b.nml: the file does not exist" in done.stderr
 
 
 def test_datasets_with_any_name_are_written(tmp_path: Path) -> None:
     """NetCDF holds UTF-8: bytes of a name that are not appear as their numbers."""
-    xr = pytest.importorskip("xarray")
     pytest.importorskip("h5netcdf")
     curves = rwmf.fragility(
         {"design": [BYTES] * 4 + ["other"] * 4, "intensity": [1.0, 2.0, 3.0, 4.0] * 2,

@@ -13,8 +13,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +23,7 @@ import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from checkout import ROOT
+from checkout import ROOT, Runner
 from scenes import bare_frame, coupled
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh, expm
@@ -463,12 +461,12 @@ def test_keys_apply_only_with_the_effect() -> None:
     assert "t_collapse" not in stands
 
 
-def test_command_line(tmp_path: Path) -> None:
+def test_command_line(command: Runner, tmp_path: Path) -> None:
     """Collapse is a result, not an error: exit status 0; the summary gives the time."""
     file = tmp_path / "case.nml"
     file.write_text(collapsing().to_namelist(), encoding="utf-8")
-    command = [sys.executable, "-m", "rwmf", "run", str(file), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=True)
+    done = command("run", file, "--json")
+    assert done.returncode == 0
     found = json.loads(done.stdout)
     assert found["collapsed"] is True
     assert found["t_collapse_s"] == float(rwmf.simulate(collapsing())["t_collapse"])

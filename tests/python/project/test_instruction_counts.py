@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import shutil
-import sys
 
 import pytest
-from checkout import ROOT
-
-sys.path.append(str(ROOT / "tools"))
-
 from instruction_counts.__main__ import REFERENCE
 from instruction_counts.calls import NAMES
 from instruction_counts.ledger import Ledger

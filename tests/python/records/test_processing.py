@@ -9,8 +9,6 @@ import pytest
 import rwmf
 from checkout import Runner
 
-pytest.importorskip("scipy")
-
 DT = 0.01
 T = DT * np.arange(4001)
 

@@ -411,7 +411,6 @@ def test_refused_choices(options: dict[str, object], message: str, tmp_path: Pat
 
 
 def test_the_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("matplotlib")
     suite, picture = folder / "out" / "suite.csv", folder / "p.png"
     suite.parent.mkdir()
     words = [

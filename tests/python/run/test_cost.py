@@ -133,7 +133,6 @@ def test_repeats_that_disagree_are_reported(
 
 
 def test_work_is_drawn_over_time_and_over_evaluations(found: Cost) -> None:
-    pytest.importorskip("matplotlib")
     for over in ("seconds", "rhs_evaluations"):
         drawn = rwmf.plot.work_precision(found, over=over).lines[0].get_xdata()
         rows = [row for row in found.rows if row.method == METHODS[0]]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import pairs
 import pytest
 import rwmf
 from checkout import ROOT
@@ -17,10 +17,6 @@ from rwmf.cli.many_cases import _spectrum_object
 from rwmf.run import quantities, simulation
 from rwmf.run.quantities import ORDINATES as SWEPT
 from rwmf.run.quantities import QUANTITIES
-
-sys.path.append(str(ROOT / "bench"))
-
-import pairs
 
 _KINDS = {"real": float, "int": int, "logical": bool, "text": str, "list": list}
 # quantities that no effect reports by itself

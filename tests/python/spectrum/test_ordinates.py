@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
+import pairs
 import pytest
 import rwmf
-from checkout import ROOT
 from rwmf.case.namelist import compose
 from rwmf.cli.main import main
 from rwmf.errors import InputError
 from rwmf.run import simulation as _simulation
 from rwmf.run.quantities import find
-
-sys.path.append(str(ROOT / "bench"))
-
-import pairs
 
 _RTOL = 1e-9
 _PERIODS = (0.3, 0.9)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rwmf
-from checkout import BATCH
+from checkout import Runner
 from rwmf import cli
 from rwmf.errors import InputError
 from scenes import bare_frame, block, coupled
@@ -159,7 +158,9 @@ def test_errors_of_blocks_are_estimated() -> None:
     assert float(found["theta_max_over_alpha"]) == pytest.approx(peak, rel=1e-8)
 
 
-def test_what_axes_are_called(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_axes_are_called(
+    batch: Runner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Labels in the dataset, in the sweep and in the file of the batch program."""
     monkeypatch.chdir(tmp_path)
     meanings = {
@@ -178,9 +179,8 @@ def test_what_axes_are_called(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     plain = coupled().replace(spectrum={"T_s": [0.5]})
     assert rwmf.spectrum(plain)["T_s"].attrs["long_name"] == "period of the frame"
     case.to_namelist("case.nml")
-    for k in (1, 2):
-        subprocess.run([BATCH, "--part", f"{k}/2", "case.nml"], check=True, capture_output=True)
-    subprocess.run([BATCH, "case.nml"], check=True, capture_output=True)
+    for words in (["--part", "1/2"], ["--part", "2/2"], []):
+        assert batch(*words, "case.nml").returncode == 0
     text = Path("case.spectrum.csv").read_text(encoding="utf-8")
     assert "# axis T_s_s: 2 pi/p of the block" in text
     assert "\nb_m,T_s_s,theta_max_over_alpha,impacts,status\n" in text

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -103,11 +101,6 @@ def test_commands_draw_and_write(
     assert Path("x.png").stat().st_size > 5000
     with xr.open_dataset("x.nc", engine="h5netcdf") as found:
         assert len(found.variables) > 1
-
-
-def test_studies_come_with_the_package() -> None:
-    code = "import rwmf; assert callable(rwmf.studies.overturning_map)"
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_results_of_studies_say_where_they_come_from() -> None:

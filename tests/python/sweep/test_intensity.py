@@ -124,7 +124,6 @@ def test_files_and_commands_take_and_state_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("h5netcdf")
-    pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     _designs()["wall"].to_namelist("case.nml")
     for motion in _records():
