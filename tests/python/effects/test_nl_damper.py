@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import rwmf
+from refused import refusals
 from scipy.integrate import solve_ivp
 
 G, H, B = 9.81, 2.0, 0.5
@@ -107,11 +108,12 @@ def test_newtons() -> None:
     assert float(force["u_s_max"]) == pytest.approx(float(ratio["u_s_max"]), rel=1e-12)
 
 
-@pytest.mark.parametrize("keys", [{"eta_1": 0.2}, {"eta_1": 0.2, "exponent": 0.1},
-                                  {"eta_1": -1.0, "exponent": 1.0}])  # fmt: skip
-def test_refused(keys: dict[str, float]) -> None:
-    with pytest.raises(rwmf.errors.InputError, match=r"nl_damper"):
-        scene(nl_damper=keys)
+test_refused = refusals(
+    lambda keys: scene(nl_damper=keys),
+    ({"eta_1": 0.2}, "nl_damper"),
+    ({"eta_1": 0.2, "exponent": 0.1}, "nl_damper"),
+    ({"eta_1": -1.0, "exponent": 1.0}, "nl_damper"),
+)
 
 
 def test_a_damper_that_holds_a_displaced_wall_ends_the_run_early() -> None:

@@ -12,6 +12,7 @@ import pytest
 import rwmf
 import xarray as xr
 from dimensional import SCENES, groups_of, in_units
+from refused import refusals
 from rwmf.errors import InputError
 from rwmf.kernel import tables
 from rwmf.motion.record_sets import find_records
@@ -250,39 +251,33 @@ def test_rows_that_the_rules_refuse() -> None:
     assert np.isnan(refused["u_s_max"].values).tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize(
-    ("points", "message"),
-    [
-        ({"e": [0.9, 1.2]}, "points, row 1: .*e = 1.2"),
-        ({"e": [0.9, np.nan]}, "points, row 1: impact.e = nan: must be a finite number"),
-        ({"e": [0.9, "x"]}, "points, row 1: impact.e = 'x': must be a finite number"),
-        ({"n_pulses": [1, 2.5]}, "row 1: motion.n_pulses = 2.5: must be a whole number"),
-        ({"verify": [True, 2]}, "row 1: solver.verify = 2: must be true or false"),
-        ({"formulation": ["exact", 1]}, "row 1: model.formulation = 1: must be a text"),
-        ({"formulation": ["exact", "new"]}, "row 1: .*formulation"),
-        ({"dance": [1]}, "points: dance: no key"),
-        ({"e": [0.9], "impact.e": [0.8]}, "both set impact.e"),
-        ({"e": [0.9, 0.8], "T_s": [1.0]}, "row 1: T_s: no value: the column ends after 1 rows"),
-        ({"e": [[0.9], [0.8, 0.7]]}, "points, row 0: e = .0.9.: must be one value"),
-        ({"e": [0.9, [0.8, 0.7]]}, "points, row 1: e = .0.8, 0.7.: must be one value"),
-        ({"e": [0.9, np.ones(3)]}, "points, row 1: e = array.*: must be one value"),
-        ({"record": ["a", ["b", "c"]]}, "points, row 1: record = ..b', 'c'.: must be one value"),
-        ({"record": [["a"], ["b", "c"]]}, "points, row 0: record = ..a..: must be one value"),
-        ({"e": []}, "points: has no row"),
-        ({}, "points: has no row"),
-        ({"eta": [[1, 5]]}, "points, row 0: eta = .1, 5.: must be one value"),
-        ({"eta": [1.0]}, "give the columns cable.eta_0 and cable.eta_alpha"),
-        ({"table_e": [1.0]}, "table_e = 1.0: must not be given with rule"),
-        ({"record": ["moon"]}, "points, row 0: record = moon: is neither a file"),
-        ({"record": [3]}, "points, row 0: record = 3: must be a record, its name or path"),
-        ([1, 2], "points: list: must be a mapping"),
-        ("nowhere.csv", "nowhere.csv: the file does not exist"),
-    ],
-    ids=str,
+test_points_that_are_refused = refusals(
+    lambda points: rwmf.sweep(coupled(), points=points),
+    ({"e": [0.9, 1.2]}, "points, row 1: .*e = 1.2"),
+    ({"e": [0.9, np.nan]}, "points, row 1: impact.e = nan: must be a finite number"),
+    ({"e": [0.9, "x"]}, "points, row 1: impact.e = 'x': must be a finite number"),
+    ({"n_pulses": [1, 2.5]}, "row 1: motion.n_pulses = 2.5: must be a whole number"),
+    ({"verify": [True, 2]}, "row 1: solver.verify = 2: must be true or false"),
+    ({"formulation": ["exact", 1]}, "row 1: model.formulation = 1: must be a text"),
+    ({"formulation": ["exact", "new"]}, "row 1: .*formulation"),
+    ({"dance": [1]}, "points: dance: no key"),
+    ({"e": [0.9], "impact.e": [0.8]}, "both set impact.e"),
+    ({"e": [0.9, 0.8], "T_s": [1.0]}, "row 1: T_s: no value: the column ends after 1 rows"),
+    ({"e": [[0.9], [0.8, 0.7]]}, "points, row 0: e = .0.9.: must be one value"),
+    ({"e": [0.9, [0.8, 0.7]]}, "points, row 1: e = .0.8, 0.7.: must be one value"),
+    ({"e": [0.9, np.ones(3)]}, "points, row 1: e = array.*: must be one value"),
+    ({"record": ["a", ["b", "c"]]}, "points, row 1: record = ..b', 'c'.: must be one value"),
+    ({"record": [["a"], ["b", "c"]]}, "points, row 0: record = ..a..: must be one value"),
+    ({"e": []}, "points: has no row"),
+    ({}, "points: has no row"),
+    ({"eta": [[1, 5]]}, "points, row 0: eta = .1, 5.: must be one value"),
+    ({"eta": [1.0]}, "give the columns cable.eta_0 and cable.eta_alpha"),
+    ({"table_e": [1.0]}, "table_e = 1.0: must not be given with rule"),
+    ({"record": ["moon"]}, "points, row 0: record = moon: is neither a file"),
+    ({"record": [3]}, "points, row 0: record = 3: must be a record, its name or path"),
+    ([1, 2], "points: list: must be a mapping"),
+    ("nowhere.csv", "nowhere.csv: the file does not exist"),
 )
-def test_points_that_are_refused(points: object, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        rwmf.sweep(coupled(), points=points)
 
 
 def test_other_refusals(elcentro: Path) -> None:
