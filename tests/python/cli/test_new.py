@@ -72,21 +72,6 @@ def test_a_table_of_cases(command: Runner, batch: Runner, tmp_path: Path) -> Non
     assert netcdf["case"].values.tolist() == list(words[1:])
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["a.nml", "b.nml"], "several cases need --out"),
-        (["a.nml", "b.nml", "--out", "folder"], "must end with .csv, .nc, .jsonl"),
-        (["a.nml", "--out", "t.csv", "--out", "x.png"], "--out FILE.png: needs one case"),
-        (["a.nml", "a.nml", "--out", "a.nml"], "must end with"),
-    ],
-)
-def test_words_that_no_table_has(command: Runner, words: list[str], said: str) -> None:
-    found = command("run", *words)
-    assert found.returncode == 2
-    assert said in found.stderr
-
-
 def test_a_table_is_not_written_over_a_record(command: Runner, tmp_path: Path) -> None:
     record = tmp_path / "quake.csv"
     rwmf.Motion([0.0, 1.0, -1.0, 0.0], dt=0.1, unit="m/s2").write(record)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from refused import refusals
+from refused import refusals, refused_files
 from rwmf import cli, studies
 from rwmf.errors import InputError
 from scenes import coupled
@@ -421,36 +421,6 @@ def test_hazards_are_read_by_their_names(head: str, order: int, tmp_path: Path) 
         assert float(found["annual_frequency"]) == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("a,b\n0.1,1\n1,0.1", "line 1: the columns are a, b"),
-        ("intensity,poe\n0.1,1\n1,0.1", "line 1: the column poe states no years"),
-        ("intensity,poe_50\n0.1,10\n1,2", "line 2: probability = 10: must be in"),
-        ("intensity,frequency [%]\n0.1,1\n1,0.1", "line 1: the columns are"),
-        ("intensity,frequency [Hz]\n0.1,1\n1,0.1", "line 1: the columns are"),
-        ("log10(PGA),frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
-        ("PGV (cm/s),frequency\n0.1,1\n1,0.1", "line 1: .* in cm/s, that of the fragility in g"),
-        ("PGA [furlong/s2],frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
-        ("PGA furlongs,frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
-        ("intensity,annual poe_50\n0.1,1\n1,0.1", "line 1: .* states no years"),
-        ("# probability in 50 years\nintensity,frequency\n0.1,1\n1,0.1", "line 1: states prob"),
-        ("0.1,1\n1,0.1", "line 1: has numbers instead of the names"),
-        ("intensity,frequency\n0.1,1\n0.1,0.5", "line 3: intensity = 0.1: is given twice"),
-        ("intensity,frequency\n0.1,1\n0.2,2", "line 3: frequency = 2: must not grow"),
-        ("intensity,return_period\n0.1,475\n0.2,100", "line 3: frequency = 0.01: must not grow"),
-        ("intensity,return_period\n0.1,0\n0.2,100", "line 2: return_period = 0"),
-        ("intensity,poe_50\n0.1,1\n0.2,1", "has 0 point"),
-    ],
-)
-def test_hazards_that_are_refused(text: str, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "hazard.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match=message) as caught:
-        rwmf.risk((0.5, 0.4), path)
-    assert str(path) in str(caught.value)
-
-
 # the layout of OpenQuake 3.18, from the page of its manual on classical PSHA
 _OQ = "#,,,,,\"generated_by='OpenQuake engine 3.18.0', start_date='2023-10-03T06:09:08', "
 _OQ += "checksum=2107362341, kind='mean', investigation_time={}, imt='{}'\"\n"
@@ -479,28 +449,36 @@ def test_hazard_curves_of_openquake(imt: str, years: float, tmp_path: Path) -> N
     assert float(rwmf.risk((0.5, 0.4), path)["annual_frequency"]) == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.01], [0.1, 0.01]), "has 2 sites"),
-        (_openquake(1.0, "IA", [0.1, 1.0], [0.1, 0.01]), "line 1: must state .* PGA, SA, AvgSA"),
-        (_openquake(1.0, "PGV", [0.1, 1.0], [0.1, 0.01]), "PGV is in cm/s, .* fragility in g"),
-        (_openquake(0.0, "PGA", [0.1, 1.0], [0.1, 0.01]), "investigation_time = 0.0: must be"),
-        (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 1.01]), "poe-1.0000000: probability = 1.01"),
-        (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.0]), "has 1 point: must have at least 2"),
-        (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.2]), "must not grow"),
-        ("lon,lat,depth,poe-0.1,poe-1\n0,0,0,0.1,0.01\n", "line 1: must state investigation_time"),
-        (_OQ.format(1.0, "PGA") + "lon,lat,poe-a,poe-1\n0,0,0.1,0.01\n", "column poe-a names no"),
-    ],
+test_hazards_that_are_refused = refused_files(
+    "hazard.csv",
+    lambda path: rwmf.risk((0.5, 0.4), path),
+    ("a,b\n0.1,1\n1,0.1", "line 1: the columns are a, b"),
+    ("intensity,poe\n0.1,1\n1,0.1", "line 1: the column poe states no years"),
+    ("intensity,poe_50\n0.1,10\n1,2", "line 2: probability = 10: must be in"),
+    ("intensity,frequency [%]\n0.1,1\n1,0.1", "line 1: the columns are"),
+    ("intensity,frequency [Hz]\n0.1,1\n1,0.1", "line 1: the columns are"),
+    ("log10(PGA),frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
+    ("PGV (cm/s),frequency\n0.1,1\n1,0.1", "line 1: .* in cm/s, that of the fragility in g"),
+    ("PGA [furlong/s2],frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
+    ("PGA furlongs,frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
+    ("intensity,annual poe_50\n0.1,1\n1,0.1", "line 1: .* states no years"),
+    ("# probability in 50 years\nintensity,frequency\n0.1,1\n1,0.1", "line 1: states prob"),
+    ("0.1,1\n1,0.1", "line 1: has numbers instead of the names"),
+    ("intensity,frequency\n0.1,1\n0.1,0.5", "line 3: intensity = 0.1: is given twice"),
+    ("intensity,frequency\n0.1,1\n0.2,2", "line 3: frequency = 2: must not grow"),
+    ("intensity,return_period\n0.1,475\n0.2,100", "line 3: frequency = 0.01: must not grow"),
+    ("intensity,return_period\n0.1,0\n0.2,100", "line 2: return_period = 0"),
+    ("intensity,poe_50\n0.1,1\n0.2,1", "has 0 point"),
+    (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.01], [0.1, 0.01]), "has 2 sites"),
+    (_openquake(1.0, "IA", [0.1, 1.0], [0.1, 0.01]), "line 1: must state .* PGA, SA, AvgSA"),
+    (_openquake(1.0, "PGV", [0.1, 1.0], [0.1, 0.01]), "PGV is in cm/s, .* fragility in g"),
+    (_openquake(0.0, "PGA", [0.1, 1.0], [0.1, 0.01]), "investigation_time = 0.0: must be"),
+    (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 1.01]), "poe-1.0000000: probability = 1.01"),
+    (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.0]), "has 1 point: must have at least 2"),
+    (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.2]), "must not grow"),
+    ("lon,lat,depth,poe-0.1,poe-1\n0,0,0,0.1,0.01\n", "line 1: must state investigation_time"),
+    (_OQ.format(1.0, "PGA") + "lon,lat,poe-a,poe-1\n0,0,0.1,0.01\n", "column poe-a names no"),
 )
-def test_hazard_curves_of_openquake_that_are_refused(
-    text: str, message: str, tmp_path: Path
-) -> None:
-    path = tmp_path / "hazard.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match=message) as caught:
-        rwmf.risk((0.5, 0.4), path)
-    assert str(path) in str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 import rwmf
 import xarray as xr
 from dimensional import SCENES, groups_of, in_units
-from refused import refusals
+from refused import refusals, refused_files
 from rwmf.errors import InputError
 from rwmf.kernel import tables
 from rwmf.motion.record_sets import find_records
@@ -292,27 +292,21 @@ def test_other_refusals(elcentro: Path) -> None:
         rwmf.sweep(coupled(), points=many)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "has no line with the names"),
-        ("e\n", "has no row below"),
-        ("e,e\n1,1\n", "line 1: the column e is given twice"),
-        ("e,T_s\n1\n", "line 2: T_s: no value: 1 values for 2 columns"),
-        ("e,T_s\n.9,1\n.9,1,7\n", "line 3: '7': a value without a column: 3 values for 2"),
-        ("# c\n\ne,T_s\n.9,1\n.8,x\n", "line 5: T_s = x: must be a finite number"),
-        ("e\n.9\ninf\n", "line 3: impact.e = inf: must be a finite number"),
-        ("e\n.9\n1.5\n", "line 3: .*e = 1.5"),
-        ("e,formulation\n.9,exact\n.8,other\n", "line 3: .*formulation = 'other'"),
-        ("verify\ntrue\nmaybe\n", "line 3: solver.verify = 'maybe': must be true or false"),
-        ("love\n1\n", "p.csv: love: no key"),
-    ],
+test_files_that_are_refused = refused_files(
+    "p.csv",
+    lambda path: rwmf.sweep(coupled(), points=path),
+    ("", "has no line with the names"),
+    ("e\n", "has no row below"),
+    ("e,e\n1,1\n", "line 1: the column e is given twice"),
+    ("e,T_s\n1\n", "line 2: T_s: no value: 1 values for 2 columns"),
+    ("e,T_s\n.9,1\n.9,1,7\n", "line 3: '7': a value without a column: 3 values for 2"),
+    ("# c\n\ne,T_s\n.9,1\n.8,x\n", "line 5: T_s = x: must be a finite number"),
+    ("e\n.9\ninf\n", "line 3: impact.e = inf: must be a finite number"),
+    ("e\n.9\n1.5\n", "line 3: .*e = 1.5"),
+    ("e,formulation\n.9,exact\n.8,other\n", "line 3: .*formulation = 'other'"),
+    ("verify\ntrue\nmaybe\n", "line 3: solver.verify = 'maybe': must be true or false"),
+    ("love\n1\n", "love: no key"),
 )
-def test_files_that_are_refused(text: str, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "p.csv"
-    path.write_text(text, encoding="ascii")
-    with pytest.raises(InputError, match=f"{path.name}.*{message.removeprefix('p.csv')}"):
-        rwmf.sweep(coupled(), points=path)
 
 
 def _keys_of_a_scene() -> list[str]:
