@@ -335,31 +335,6 @@ except KeyboardInterrupt as error:
     assert float(found.stdout) < 0.2
 
 
-def test_progress() -> None:
-    case = coupled(solver={"t_end": 4.0}, spectrum={"T_s": [0.3, 0.5, 1.0, 1.5]})
-    reports: list[tuple[int, int]] = []
-    rwmf.spectrum(case, progress=lambda done, total: reports.append((done, total)))
-    assert reports[-1] == (4, 4)
-    assert reports == sorted(reports)
-
-
-def test_progress_bar_on_a_terminal(case_file: Path) -> None:
-    """A terminal sees the bar; the JSON on the standard output stays clean."""
-    pytest.importorskip("tqdm")
-    reader, terminal = os.openpty()
-    found = subprocess.run(
-        [sys.executable, "-m", "rwmf", "spectrum", str(case_file), "--json"],
-        stdout=subprocess.PIPE,
-        stderr=terminal,
-        check=True,
-    )
-    os.close(terminal)
-    shown = os.read(reader, 65536).decode()
-    os.close(reader)
-    assert "/3 [" in shown
-    assert len(json.loads(found.stdout)["T_s_s"]) == 3
-
-
 def test_an_error_in_the_progress_function_stops_the_kernel() -> None:
     case = coupled(motion={"kind": "sine", "cycles": 1e6}, solver={"t_end": 1e6})
 
