@@ -14,10 +14,8 @@ import rwmf
 from refused import refusals
 from rwmf import cli, plot
 from rwmf.run.response import columns_by_key
-from scenes import bare_frame, coupled
+from scenes import WEIGHT, bare_frame, coupled, retrofit
 
-WALL = {"h": 9.6, "b": 2.0, "thickness": 0.35, "density": 2500.0}
-WEIGHT = 4 * 9.6 * 2.0 * 0.35 * 2500.0 * 9.81
 LIMITS: dict[str, Any] = {
     "u_s_max_m": 0.2,
     "theta_max_over_alpha": 0.05,
@@ -46,28 +44,7 @@ LIMITS: dict[str, Any] = {
 
 
 def _retrofit(coupling: str = "every_floor", **changes: dict[str, Any] | None) -> rwmf.Case:
-    storeys = {
-        "n": 6,
-        "m": 1.5e5,
-        "height": 3.2,
-        "T_1": 1.05,
-        "distribution": "linear",
-        "coupling": coupling,
-    }
-    if coupling == "springs":
-        storeys["k_link"] = 1e8
-    return rwmf.Case(
-        wall=WALL,
-        frame={"xi_s": 0.03},
-        storeys=storeys,
-        cable={"strands": 20, "strand_area": 1.4e-4, "modulus": 1.95e11, "initial_stress": 6e8,
-               "law": "truss"},
-        fuse={"F_y": 3e5, "k": 1.5e8},
-        impact={"rule": "coupled"},
-        base_section={"k": 1e10, "E": 3e10},
-        limits=LIMITS,
-        solver={"t_end": 1.0},
-    ).replace(**changes)  # fmt: skip
+    return retrofit(coupling, limits=LIMITS, solver={"t_end": 1.0}).replace(**changes)
 
 
 @pytest.mark.parametrize("coupling", ["full", "every_floor", "springs"])
