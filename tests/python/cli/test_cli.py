@@ -132,17 +132,6 @@ def test_keys_that_do_not_apply_are_absent(command: Runner, tmp_path: Path) -> N
     assert shown["theta_max_over_alpha"] == 0.5
 
 
-def test_plots(command: Runner, case_file: Path) -> None:
-    folder, suffix = case_file.parent, "svg"
-    assert command("run", case_file, "--out", f"run.{suffix}").returncode == 0
-    assert command("spectrum", case_file, "--out", f"spectrum.{suffix}").returncode == 0
-    assert command("run", case_file, "--loops", f"loops.{suffix}").returncode == 0
-    assert (folder / f"loops.{suffix}").stat().st_size > 1000
-    assert (folder / f"run.{suffix}").stat().st_size > 1000
-    assert (folder / f"spectrum.{suffix}").stat().st_size > 1000
-    assert len(list(folder.iterdir())) == 4
-
-
 def test_failed_ordinates_are_null(command: Runner, tmp_path: Path) -> None:
     """An ordinate that fails gets a reason and does not stop the others."""
     path = tmp_path / "few.nml"
@@ -177,14 +166,6 @@ def test_batch_notes_groups_of_the_command(batch: Runner, tmp_path: Path) -> Non
     assert [line for line in found.stderr.splitlines() if " note: " in line] == [
         f"rwmf-batch: {path}: note: &limits, &sensitivity: evaluated by the command rwmf only"
     ]
-
-
-def test_overturning_is_a_result(command: Runner, tmp_path: Path) -> None:
-    path = tmp_path / "fallen.nml"
-    block(initial={"theta_over_alpha": 1.2}).to_namelist(path)
-    found = command("run", path, "--json")
-    assert found.returncode == 0
-    assert json.loads(found.stdout)["overturned"] is True
 
 
 def test_check(command: Runner, case_file: Path) -> None:

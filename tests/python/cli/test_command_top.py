@@ -53,6 +53,7 @@ def _told(words: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[int, str
         (["sweep", LONG], "the file does not exist"),
         (["run", "case.nml", "--out", LONG], "x: File name too long"),
         (["run", "case.nml", "--out", LONG + ".png"], "a name has at most 255 bytes"),
+        (["spectrum", "case.nml", "--threads", "100000"], "100000: must be"),
         (["spectrum", "case.nml", "--threads", "two"], "--threads: two: must be a whole number"),
         (["cost", "case.nml", "--out", "x.doc"], "is not a format of figures"),
         (["cost", "case.nml", "--target", "nan"], "--target: nan: must be in (0, 1)"),

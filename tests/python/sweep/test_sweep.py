@@ -97,20 +97,6 @@ def test_other_quantities(elcentro: Path) -> None:
     assert np.isnan(found["u_s_max"]).all()
 
 
-def test_outputs_that_cost_are_asked_for_by_their_names() -> None:
-    """Reactions and energy are computed for the quantities, without a request in the case."""
-    wanted = ("friction_demand_max", "base_shear_max_over_weight", "energy_impact_J_per_kg")
-    case = coupled(solver={"t_end": 3.0, "method": "dop853"})
-    found = rwmf.sweep(case, {"T_s": [0.7, 1.2]}, quantities=wanted).squeeze(drop=True)
-    asked = {"reactions": True, "energy": True}
-    for T_s in (0.7, 1.2):
-        single = rwmf.simulate(case.replace(frame={"T_s": T_s}, output=asked))
-        for name in wanted:
-            assert float(found[name].sel(T_s=T_s)) == float(single[name])
-    plain = rwmf.simulate(case.replace(output={"reactions": False}))
-    assert not any(name in plain for name in wanted)
-
-
 def test_failures_and_overturning_carry_a_status() -> None:
     case = coupled(solver=QUICK)
     found = rwmf.sweep(case, {"max_steps": [20.0], "T_s": PERIODS})
