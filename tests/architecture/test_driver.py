@@ -1,7 +1,5 @@
 """Imports in the driver's sources: extensions, argparse. pyproject.toml has the order of rooms."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -6,8 +6,6 @@ than this flight and ends with a velocity of the wrong sign. The same impact wit
 returns for ever. The three scenes were found by bench/accuracy_promise.py among 240 random ones.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

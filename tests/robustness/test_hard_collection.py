@@ -1,7 +1,5 @@
 """Every hard case with every method against its trusted answer."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import collection

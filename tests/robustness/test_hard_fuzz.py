@@ -3,8 +3,6 @@
 RWMF_FUZZ sets the number of attacks; the default keeps the suite short. 20,000 is the full run.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import subprocess

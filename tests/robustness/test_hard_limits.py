@@ -1,7 +1,5 @@
 """Large sizes: many ordinates, long pulses, histories that end early."""
 
-from __future__ import annotations
-
 import math
 import time
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Signals while files are written: complete files and status 0, or none of them and 130."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import signal

@@ -1,7 +1,5 @@
 """Sizes at their limits with a small stack: nothing that a user sizes lies on it."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Places of the checkout that tests name, and programs that they run."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

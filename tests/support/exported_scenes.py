@@ -1,7 +1,5 @@
 """Cases that are exported to OpenSees: each group alone, and ten buildings."""
 
-from __future__ import annotations
-
 import rwmf
 
 __all__ = ["ALONE", "BUILDINGS", "CASES", "FRAME", "MOTION", "WALL", "case_of"]

@@ -4,8 +4,6 @@ Texts are cut, doubled, exchanged and overwritten with input that is difficult t
 number makes the same input on every machine.
 """
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass
 

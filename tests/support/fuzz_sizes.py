@@ -4,8 +4,6 @@ Samples, storeys, lists, rows, points, threads and lines as long as they may be,
 other numbers are small. All of them run with a small stack.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """Memory in use by this process, to the byte."""
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import sys

@@ -1,7 +1,5 @@
 """Tables of wrong input: each row is refused with its message."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

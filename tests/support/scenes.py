@@ -1,7 +1,5 @@
 """Cases that several tests start from."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

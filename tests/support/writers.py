@@ -1,7 +1,5 @@
 """Commands that write files: text, a figure, the program in Fortran, NetCDF, a film."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A case is read once and lives in the kernel; results are seen there, not copied, and safely."""
 
-from __future__ import annotations
-
 import copy
 import gc
 import multiprocessing

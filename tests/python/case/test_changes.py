@@ -1,7 +1,5 @@
 """Other numbers need no text: the same case as by text, in microseconds, samples shared."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Defaults of a case, and the warning about violated conservation laws."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Every error of the input, provoked once: the same message from Python and the batch program."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

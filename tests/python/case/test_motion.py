@@ -1,7 +1,5 @@
 """A motion from arrays is a record without a file: same rules, same bits, same places."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 from pathlib import Path

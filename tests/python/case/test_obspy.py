@@ -3,8 +3,6 @@
 The texts of `processing` are those that ObsPy 1.4 writes.
 """
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Public functions answer arguments of a wrong type with errors of the package."""
 
-from __future__ import annotations
-
 import contextlib
 import datetime
 import functools

@@ -1,7 +1,5 @@
 """The command line: contracts of its output, its files and its exit statuses."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Top level of the command: no option, file, stream or bug may show a traceback."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

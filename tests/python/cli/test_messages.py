@@ -1,7 +1,5 @@
 """Messages of the program: suggestions, written files, numbers, optional packages."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import tomllib

@@ -1,7 +1,5 @@
 """``rwmf new``, several cases in ``rwmf run``, and the JSON schema of a case."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``rwmf pushover``: table, JSON and CSV agree with the dataset; its errors."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

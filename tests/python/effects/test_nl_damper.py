@@ -1,7 +1,5 @@
 """Nonlinear dampers: limits, an independent integration, every path, velocities near zero."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every pair of effects runs, or is refused with a reason that names both."""
 
-from __future__ import annotations
-
 import functools
 import re
 from itertools import combinations

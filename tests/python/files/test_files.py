@@ -1,7 +1,5 @@
 """Files: nothing is lost and nothing half-written, whatever their names, whenever it ends."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import os

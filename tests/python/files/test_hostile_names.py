@@ -1,7 +1,5 @@
 """Names of files that are markup, code or signs of a format: no writer takes them as such."""
 
-from __future__ import annotations
-
 import ast
 import csv
 import io

@@ -1,7 +1,5 @@
 """Designs: cheapest of all, whole numbers, missed targets, records left out, the page."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

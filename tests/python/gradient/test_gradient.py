@@ -1,7 +1,5 @@
 """Derivatives of results: closed forms, keys that follow, bounds, lists, kinks and suites."""
 
-from __future__ import annotations
-
 import cmath
 import contextlib
 import math

@@ -1,7 +1,5 @@
 """The command `rwmf gradient`: table, JSON, errors."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The groups `&sensitivity` and `&design`: the commands give the results of the functions."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Elements of a host in Python: forces of the stepping wall, bits of C, state, errors."""
 
-from __future__ import annotations
-
 import copy
 import ctypes
 import math

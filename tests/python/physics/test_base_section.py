@@ -1,7 +1,5 @@
 """The section at the base on a strip without tension: printed numbers, equilibrium, every scene."""
 
-from __future__ import annotations
-
 import doctest
 import math
 from itertools import pairwise

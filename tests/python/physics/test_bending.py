@@ -1,7 +1,5 @@
 """The bending wall of the kernel: against the independent program, closed forms and balances."""
 
-from __future__ import annotations
-
 import math
 
 import bending

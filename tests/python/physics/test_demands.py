@@ -6,8 +6,6 @@ over the modes; drifts, shears and the overturning moment follow from them. The 
 between the samples of that solution. The solution is independent of the kernel.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from pathlib import Path

@@ -3,8 +3,6 @@
 `test_demands_of_walls.py` holds every one of them against the program of single bodies as well.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Velocity factor from a table over the velocity before the impact."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

@@ -5,8 +5,6 @@ reference where ``RWMF_OPENSEES`` names a Python with ``openseespy``, which need
 rwmf. Closed forms point by point are in ``tests/unit/model/test_laws.f90``.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """Wall and frame with springs that yield or break: ledger, methods, mirror image, limits, rules."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -9,8 +9,6 @@ k_i d_i - W_i d_i/h_i. The run collapses where an |d_i|/h_i passes the limit.
 another program.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Static curves: closed forms, slow motions, energy, invariances, marks, branches."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The model against stored histories of engines that know no kinematics and no restitution."""
 
-from __future__ import annotations
-
 import importlib
 from pathlib import Path
 

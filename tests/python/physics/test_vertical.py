@@ -1,7 +1,5 @@
 """Vertical ground motion: the weight of the wall follows g + v_g''."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 The independent program is `support/held_walls.py`; docs/theory/elements.md has the equations.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

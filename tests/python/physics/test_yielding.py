@@ -1,7 +1,5 @@
 """The yielding frame alone: exact solution, an independent program, a textbook's example."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """bench/spectra.py runs on a small problem, and SciPy solves the same problem."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """No standard call takes more than 3 % above its recorded instructions (developer/bench.md)."""
 
-from __future__ import annotations
-
 import shutil
 
 import pytest

@@ -1,7 +1,5 @@
 """With RWMF_MUST_RUN, a skip is a failure with test and reason."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

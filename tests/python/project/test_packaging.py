@@ -1,7 +1,5 @@
 """The version is defined once, and other descriptions of the package agree."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import sys

@@ -1,7 +1,5 @@
 """Record files with every kind of header, with statements of unit, interval and quantity."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Target spectra of codes: points by hand, continuity at the corners, use in a selection."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

@@ -1,7 +1,5 @@
 """Intensity measures against closed forms, fine integration and properties of the definitions."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Corrections of records: what each step does, in closed form, and what the file says."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pairs, lists, target spectra and sequences of records."""
 
-from __future__ import annotations
-
 import json
 import math
 import zipfile

@@ -1,7 +1,5 @@
 """Labels are those of xarray itself; threads, processes and forks may call at will."""
 
-from __future__ import annotations
-
 import multiprocessing
 import pickle
 import threading

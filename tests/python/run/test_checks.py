@@ -1,7 +1,5 @@
 """Limits and checks: the run's own peaks, suites counted by hand, every interface and error."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Limits along a static curve: table, drifts at limits, marks, every interface and error."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Sensitivities of the peaks to the motion: closed forms, defaults, sweeps, printed digits."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Cost of accuracy: reference, rows, procedures of practice, recommendation, command."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import json

@@ -1,7 +1,5 @@
 """The logger "rwmf": silent by default, start and end of public functions, warnings."""
 
-from __future__ import annotations
-
 import logging
 from pathlib import Path
 

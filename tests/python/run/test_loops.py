@@ -1,7 +1,5 @@
 """Force-displacement loops: their areas equal the spring energies of the ledger."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Method 'paper': Eq. (15) by CVODE with its own root search, for scenes of the paper only."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

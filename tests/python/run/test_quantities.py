@@ -1,7 +1,5 @@
 """The table of quantities names all reported quantities, and no others: scenes of every kind."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

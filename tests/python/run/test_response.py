@@ -1,7 +1,5 @@
 """A response has storeys and floors as dimensions, a headline, and every flat name."""
 
-from __future__ import annotations
-
 import copy
 import json
 import pickle

@@ -1,7 +1,5 @@
 """Extreme numbers of `&solver` and of the frame: a right result or an error, no wrong `ok`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Ordinates of spectra report the quantities of runs, in one pass of the lanes."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Axes of storeys and of blocks: an ordinate equals the run of its scene."""
 
-from __future__ import annotations
-
 import json
 import math
 from itertools import product

@@ -1,7 +1,5 @@
 """More threads than anybody can mean are refused: by every way to a spectrum, with the number."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

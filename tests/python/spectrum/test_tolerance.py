@@ -1,7 +1,5 @@
 """Spectra keep their tolerance, and the compiler in use vectorises the loops of the lanes."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable
@@ -210,7 +208,7 @@ def _peak_of_run(case: rwmf.Case) -> Array:
     return rwmf.simulate(case).u_s_max
 
 
-def _end_of(run: rwmf.Result) -> str:
+def _end_of(run: rwmf.Response) -> str:
     if getattr(run, "collapsed", False):
         return "collapsed"
     return "overturned" if run.overturned else "ok"

@@ -1,7 +1,5 @@
 """The effect of a wall in several responses, the one quantity of other studies, and prestress."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

@@ -1,7 +1,5 @@
 """From records to risk: analyses, fragility curves, annual frequencies, files of loss programs."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Studies of storeys and of blocks: each computes runs, or is refused with a reason."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Studies: published boundaries, closed forms, counted statistics, the command line."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

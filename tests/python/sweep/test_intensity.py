@@ -1,7 +1,5 @@
 """Period and damping of an intensity: one factor for each record, whatever the design."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

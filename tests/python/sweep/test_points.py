@@ -1,7 +1,5 @@
 """Points: a table whose rows are runs with their own numbers, texts and ground motion."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Sweeps: equality with single runs, labels, axes, refusals."""
 
-from __future__ import annotations
-
 import math
 import threading
 from pathlib import Path

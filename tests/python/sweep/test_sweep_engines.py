@@ -1,7 +1,5 @@
 """Sweeps on other engines: processes, Dask with a worker that dies, MPI; parts of the batch."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

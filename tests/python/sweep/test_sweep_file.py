@@ -1,7 +1,5 @@
 """Files of sweeps and their command: contents and messages."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Incremental dynamic analysis as one sweep file: six storeys, a wall, its cable, its fuses."""
 
-from __future__ import annotations
-
 import math
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Sweeps in files: resuming, parts, refusals; the bytes never depend on interruptions."""
 
-from __future__ import annotations
-
 import random
 import signal
 import subprocess
