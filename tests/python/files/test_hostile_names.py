@@ -156,8 +156,6 @@ def test_no_writer_takes_a_name_for_markup(
     exporter: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     words, file, check = EXPORTERS[exporter]
-    for module in {"film": ["PIL"], "study": ["h5netcdf"]}.get(exporter, []):
-        pytest.importorskip(module)
     monkeypatch.chdir(tmp_path)
     _prepare(tmp_path, name)
     if exporter == "script":
@@ -195,7 +193,6 @@ def test_a_name_does_not_steer_the_terminal(tmp_path: Path) -> None:
 
 def test_datasets_with_any_name_are_written(tmp_path: Path) -> None:
     """NetCDF holds UTF-8: bytes of a name that are not appear as their numbers."""
-    pytest.importorskip("h5netcdf")
     curves = rwmf.fragility(
         {"design": [BYTES] * 4 + ["other"] * 4, "intensity": [1.0, 2.0, 3.0, 4.0] * 2,
          "u": [0.005, 0.02, 0.008, 0.03] * 2, "status": ["ok"] * 8}, 0.01
@@ -217,7 +214,6 @@ def test_a_damaged_file_is_an_error_of_input(
     words: list[str], seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Bytes of a NetCDF file that have changed: one line that names the file."""
-    pytest.importorskip("h5netcdf")
     monkeypatch.chdir(tmp_path)
     _prepare(tmp_path, "case")
     Path("s.nml").write_text("&sweep case = 'case.nml' /\n&grid b = 1.2, 1.3 /\n", "ascii")

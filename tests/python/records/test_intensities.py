@@ -11,6 +11,7 @@ import rwmf
 from refused import refusals
 from rwmf.errors import InputError
 from scenes import coupled
+from scipy.linalg import expm
 
 _OPTIONS: dict[str, dict[str, Any]] = {
     "pseudo_acceleration": {"period": 0.7, "damping": 0.03},
@@ -85,7 +86,6 @@ def test_one_line_with_a_change_of_sign() -> None:
 )
 def test_against_fine_steps(period: float, damping: float, is_even: bool) -> None:
     """The transition matrix of the oscillator with its load, and 100 points in each step."""
-    expm = pytest.importorskip("scipy.linalg").expm
     motion = _noise(3, 30, is_even=is_even)
     omega = 2 * math.pi / period
     system = np.zeros((4, 4))

@@ -162,7 +162,6 @@ def test_every_command_that_loops_has_a_bar(
     command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """On a terminal; JSON on the standard output stays clean."""
-    pytest.importorskip("tqdm")
     monkeypatch.chdir(tmp_path)
     case = coupled(solver={"t_end": 2.0}, spectrum={"T_s": T_S})
     case.to_namelist("case.nml")

@@ -128,7 +128,6 @@ def test_a_changed_response_stays_one() -> None:
 
 def test_a_response_from_a_file_is_drawn(tmp_path: Path) -> None:
     """A plain dataset of xarray has no flat names; figures need none."""
-    pytest.importorskip("h5netcdf")
     case = _storeys("full")
     run = rwmf.simulate(case)
     run.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")

@@ -107,7 +107,6 @@ def test_measures_that_are_not_linear(kind: str) -> None:
 @pytest.mark.parametrize(("name", "stop"), [("t.csv", 1), ("t.nc", 5)])
 def test_interrupted_and_resumed(name: str, stop: int, tmp_path: Path) -> None:
     """Files are equal to the byte; all other files are removed."""
-    pytest.importorskip("h5netcdf")
     count = 0
 
     def interrupt(_: int, __: int) -> None:
@@ -133,7 +132,6 @@ def test_interrupted_and_resumed(name: str, stop: int, tmp_path: Path) -> None:
 
 
 def test_tables_survive_their_files(table: xr.Dataset, tmp_path: Path) -> None:
-    pytest.importorskip("h5netcdf")
     from rwmf.assess.table import read_table, write_table
 
     for name in ("t.csv", "t.nc"):
@@ -536,7 +534,6 @@ def test_step_has_no_dispersion() -> None:
 
 def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:  # noqa: ANN401
     """From namelists to annual frequency, in four commands; tables and figures are files."""
-    pytest.importorskip("h5netcdf")
     monkeypatch.chdir(tmp_path)
     frame().to_namelist("weak.nml")
     frame(0.09).to_namelist("strong.nml")

@@ -101,7 +101,6 @@ _STOREYS = coupled(
 def test_commands_draw_and_write(
     words: str, case: rwmf.Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("h5py")
     monkeypatch.chdir(tmp_path)
     case.replace(impact={"rule": "coupled", "e": None}).to_namelist("case.nml")
     place = ["--out", "x.png", "--out", "x.nc"]

@@ -121,7 +121,6 @@ def test_what_does_not_belong_together(options: dict[str, Any], message: str) ->
 def test_files_and_commands_take_and_state_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("h5netcdf")
     monkeypatch.chdir(tmp_path)
     _designs()["wall"].to_namelist("case.nml")
     for motion in _records():

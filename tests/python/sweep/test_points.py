@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 import pytest
 import rwmf
 import xarray as xr
@@ -184,7 +185,7 @@ def test_blocks_alone() -> None:
 
 
 def _as_frame(points: dict[str, object]) -> object:
-    return pytest.importorskip("pandas").DataFrame(points, index=range(100, 100 + N))
+    return pd.DataFrame(points, index=range(100, 100 + N))
 
 
 def _as_structured(points: dict[str, object]) -> object:
@@ -216,7 +217,6 @@ def _write_csv(path: Path, points: dict[str, object]) -> None:
 
 
 def test_files_of_a_table(elcentro: Path, tmp_path: Path) -> None:
-    pytest.importorskip("h5netcdf")
     case = coupled(solver=QUICK)
     points: dict[str, object] = dict(_design())
     points["record"] = [elcentro.name] * N

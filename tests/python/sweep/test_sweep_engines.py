@@ -88,7 +88,6 @@ def test_dask_with_a_worker_that_is_killed(tmp_path: Path) -> None:
 
 def test_mpi_with_two_ranks(tmp_path: Path) -> None:
     pytest.importorskip("mpi4py")
-    pytest.importorskip("h5py")
     if shutil.which("mpiexec") is None:
         pytest.skip("no MPI on this machine")
     coupled(solver=CASE_SOLVER).to_namelist(tmp_path / "case.nml")
