@@ -63,7 +63,10 @@ def test_storeys(coupling: str, effect: str) -> None:
     case = _storeys(coupling, EFFECTS.get(effect, YIELDING))
     axes = case.kernel.axes()
     T_s, gamma = axes["T_s"].value, axes["gamma"].value
-    names = ["u_s_max", "theta_max_over_alpha"]
+    names = ["u_s_max", "theta_max_over_alpha", "storey_1_shear_max_over_m_w_g", "roof_drift_max",
+             "storey_2_drift_max", "storey_drift_max", "floor_1_acceleration_max_g",
+             "floor_acceleration_max_g", "overturning_moment_max_over_weight",
+             "wall_moment_max_over_m_w_g", "wall_moment_max_height"]  # fmt: skip
     found = rwmf.spectrum(
         case, [T_s, 0.9], gamma=[gamma, 2.5 * gamma], b=[0.5, 0.6], quantities=names
     )
