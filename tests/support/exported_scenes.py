@@ -2,8 +2,6 @@
 
 import rwmf
 
-__all__ = ["ALONE", "BUILDINGS", "CASES", "FRAME", "MOTION", "WALL", "case_of"]
-
 WALL = "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' /"
 FRAME = "&frame T_s = 0.8, gamma = 3.0, xi_s = 0.04 /"
 CABLE = "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss' /"

@@ -5,8 +5,6 @@ import gc
 import sys
 from collections.abc import Callable
 
-__all__ = ["growth"]
-
 _FIELDS = [
     "arena", "pieces", "small", "maps", "mapped", "most", "freed", "used", "free", "releasable",
 ]  # fmt: skip

@@ -82,21 +82,6 @@ def test_methods_agree_and_the_ledger_closes(exponent: float) -> None:
         assert u_s_max == pytest.approx(exact, rel=1e-7), method
 
 
-@pytest.mark.parametrize("exponent", [0.15, 0.5])
-def test_spectra_are_runs(exponent: float) -> None:
-    case = scene(
-        nl_damper={"eta_1": 0.2, "exponent": exponent},
-        spectrum={"T_s": [0.4, 0.9, 1.7], "gamma": [2.0, 50.0]},
-    )
-    spectrum = rwmf.spectrum(case)
-    for T_s in (0.4, 1.7):
-        for gamma in (2.0, 50.0):
-            run = rwmf.simulate(scene(nl_damper={"eta_1": 0.2, "exponent": exponent},
-                                      frame=FRAME | {"T_s": T_s, "gamma": gamma}))  # fmt: skip
-            found = float(spectrum["u_s_max"].sel(T_s=T_s, gamma=gamma).squeeze())
-            assert found == pytest.approx(float(run["u_s_max"]), rel=1e-7)
-
-
 def test_newtons() -> None:
     ratio = rwmf.simulate(scene(nl_damper={"eta_1": 0.2, "exponent": 0.4}))
     force = rwmf.simulate(

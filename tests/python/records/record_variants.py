@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from checkout import ROOT
 
-__all__ = ["DT", "SAMPLES", "N", "Variant", "variants"]
-
 N = 40
 DT = 0.01
 # accelerations [m/s2]
