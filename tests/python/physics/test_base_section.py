@@ -284,10 +284,10 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("section", "changes", "message"), REFUSED)
-def test_refused(section: dict[str, Any], changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(rwmf.InputError, match=message):
-        coupled(**{"wall": WALL, **changes, "base_section": section})
+test_refused = refusals(
+    lambda section, changes: coupled(**{"wall": WALL, **changes, "base_section": section}),
+    *REFUSED,
+)
 
 
 def test_other_bases_are_refused() -> None:
