@@ -52,13 +52,14 @@ def c_response(text: str, side: int, motions: np.ndarray) -> tuple[np.ndarray, n
     return force, tangents
 
 
+@pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("name", EFFECTS)
-def test_the_bits_of_c(name: str) -> None:
+def test_the_bits_of_c(name: str, side: int) -> None:
     text = WALL + FRAME + EFFECTS[name] + "&solver t_end = 3.0 /"
-    motions = np.array([[[u], [0.3], [-1.0]] for u in (0.02, 0.05, 0.01, 0.03)])
-    force, tangents = c_response(text, 1, motions)
+    motions = np.array([[[side * u], [0.3], [-1.0]] for u in (0.02, 0.05, 0.01, 0.03)])
+    force, tangents = c_response(text, side, motions)
     with rwmf.Element(rwmf.Case.from_text(text)) as ours:
-        ours.place(1)
+        ours.place(side)
         for motion in motions:
             u, u_dot, u_ddot = motion[:, 0].tolist()
             r = ours.respond(u, u_dot, u_ddot, 1.0)
