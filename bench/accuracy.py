@@ -3,8 +3,6 @@
 .venv/bin/python bench/accuracy.py     (about two minutes)
 """
 
-from __future__ import annotations
-
 import math
 import platform
 import re

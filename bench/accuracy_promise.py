@@ -9,8 +9,6 @@ time, estimate included, is compared with that of the cheapest setting of equal 
 search over methods and tolerances. Prints a table in Markdown.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from pathlib import Path

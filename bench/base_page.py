@@ -4,8 +4,6 @@
 accelerations of its runs, by the balance of the rigid wall.
 """
 
-from __future__ import annotations
-
 import math
 import tempfile
 from itertools import pairwise

@@ -8,8 +8,6 @@ scene. The error of a scene is that of its worst peak, over this peak. Scenes wh
 the tolerance follow, with their largest sensitivity to the size of the motion.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 import warnings

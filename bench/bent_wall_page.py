@@ -4,8 +4,6 @@
 of rwmf.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from concurrent.futures import Future, ProcessPoolExecutor

@@ -12,8 +12,6 @@ energy balance. In a step with contact the solver attributes the missing energy 
 cuts the time increment until nothing moves. The cable is a spring with the prestress at rest.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Parts that the programs of this folder share: places, tables in Markdown, alternating times."""
 
-from __future__ import annotations
-
 import csv
 import sys
 import time

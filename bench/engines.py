@@ -1,7 +1,5 @@
 """Parts that the programs beside rwmf share: numbers of a case, and the stored histories."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import time

@@ -10,8 +10,6 @@ largest error of u_s over rtol, beside `dop853` of 0.7.0 at rtol 1e-13. The exit
 figure exceeds its limit. `--quick` takes few periods and one round.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

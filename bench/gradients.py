@@ -9,8 +9,6 @@ It is known where two rungs agree within 1e-8 of the scene's largest p dq/dp. Pr
 Markdown, and each derivative whose error does not cover the truth.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

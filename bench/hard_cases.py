@@ -8,8 +8,6 @@ The cases are those of tests/robustness; the reference answers come from quadrup
 rows go to docs/validation/hard-cases.csv, and their summary to hard-cases.md beside it.
 """
 
-from __future__ import annotations
-
 import csv
 import sys
 import tempfile

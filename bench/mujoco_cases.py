@@ -11,8 +11,6 @@ over windows. Windows at an impact or a jump of the motion are omitted, because 
 an impulse or a sudden force over some time.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path

@@ -12,8 +12,6 @@ of a tendon in a duct, its force does not bend the wall. Floors are masses with 
 between them; links are springs, or rigid.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from dataclasses import asdict, dataclass

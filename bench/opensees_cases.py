@@ -15,8 +15,6 @@ each storey. Beside it a stiff `corotTruss` is the leaning column that carries t
 whose geometry gives P-Delta. Damping is modal, of the modes without gravity.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass

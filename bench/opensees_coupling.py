@@ -5,8 +5,6 @@ times, writes ``validation/opensees/coupling.csv`` and prints it as a table. It 
 ``openseespy`` in the same Python (``rwmf[opensees]``).
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 import time

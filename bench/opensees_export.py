@@ -6,8 +6,6 @@ and prints it as a table. It needs RWMF_OPENSEES, a Python that has ``openseespy
 one.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from pathlib import Path

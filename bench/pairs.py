@@ -7,8 +7,6 @@ value of a key that chooses a law, takes one line of ``EFFECTS``.
 ``tests/python/effects/test_pairs.py`` checks the list against the schema.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import tempfile

@@ -5,8 +5,6 @@ image in |theta|. `Wall` has the equation, `case` states it to the kernel. Packa
 imported when they are used.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import math
 from collections.abc import Callable

@@ -5,8 +5,6 @@
 docs/developer/bench.md describes the measurement and the columns.
 """
 
-from __future__ import annotations
-
 import argparse
 import platform
 from collections.abc import Callable, Sequence

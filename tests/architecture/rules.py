@@ -1,7 +1,5 @@
 """Rules of the architecture: each takes a tree of sources and returns its violations."""
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping

@@ -1,17 +1,13 @@
 """Imports in the driver's sources: extensions, argparse. pyproject.toml has the order of rooms."""
 
-from __future__ import annotations
-
 import ast
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from checkout import ROOT, run_python
 
-ROOT = Path(__file__).resolve().parents[2]
 DRIVER = ROOT / "driver" / "rwmf"
 
 
@@ -83,10 +79,7 @@ def test_commands_import_what_they_need(words: list[str] | None, without: tuple[
     """Slow imports are made only by the commands that need them."""
     call = "import rwmf" if words is None else f"from rwmf.cli import main; main({words!r})"
     code = f"import sys; {call}; print(*sys.modules, sep='\\n')"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    loaded = set(done.stdout.splitlines())
+    loaded = set(run_python(code, ROOT).stdout.splitlines())
     slow = {"xarray", "pandas", "matplotlib", "scipy", "h5py", "distributed", *without}
     assert "rwmf" in loaded
     assert not slow & loaded

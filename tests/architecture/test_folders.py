@@ -4,8 +4,6 @@ The `meson.build` files (`src/meson.build` and `src/rwmf/meson.build`) define th
 folders, which is also the order of the build. A folder uses itself and those before it.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -7,8 +7,6 @@ tests/robustness/test_small_stack.py runs them at that bound. Elsewhere each dyn
 reason here.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every group of checks of a Fortran test can be run alone, by its name."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

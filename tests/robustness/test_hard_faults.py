@@ -1,7 +1,5 @@
 """Faults: failed computations and writes end with a helpful error."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

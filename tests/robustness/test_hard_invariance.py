@@ -1,7 +1,5 @@
 """Invariances as properties: for scenes that hypothesis chooses."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Instants of lift-off that are known in closed form."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

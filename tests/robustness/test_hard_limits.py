@@ -1,17 +1,13 @@
 """Large sizes: many ordinates, long pulses, histories that end early."""
 
-from __future__ import annotations
-
 import math
-import resource
-import subprocess
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
-from checkout import BATCH
+from checkout import BATCH, run_words
 
 FALL = """
 &wall b = 1.0, h = 2.0 /
@@ -40,26 +36,6 @@ BARE = "&frame xi_s = 0.05 /\n"
 COUPLED = "&frame xi_s = 0.05, gamma = 5.0 /\n&wall b = 1.0, h = 2.0 /\n"
 
 
-def run_batch(
-    folder: Path, text: str, stack: int | None = None, seconds: float = 60
-) -> subprocess.CompletedProcess:
-    """Run the batch program, with so many bytes of stack if they are given."""
-
-    def shrink() -> None:
-        resource.setrlimit(resource.RLIMIT_STACK, (stack, stack))
-
-    (folder / "case.nml").write_text(text)
-    return subprocess.run(
-        [BATCH, "case.nml"],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=seconds,
-        check=False,
-        preexec_fn=shrink if stack else None,
-    )
-
-
 @pytest.mark.parametrize("method", ["dop853", "adams", "taylor"])
 @pytest.mark.parametrize(("scene", "end"), [(FALL, "overturned"), (COLLAPSE, "collapsed")])
 def test_a_history_ends_with_the_motion(tmp_path: Path, scene: str, end: str, method: str) -> None:
@@ -79,7 +55,8 @@ def test_a_history_ends_with_the_motion(tmp_path: Path, scene: str, end: str, me
             # infinite where the pivot would leave the ground, see the theory of the demands
             is_finite |= result["pivot_normal_over_m_w_g"].values <= 0
         assert np.all(is_finite), name
-    done = run_batch(tmp_path, text)
+    (tmp_path / "case.nml").write_text(text)
+    done = run_words([BATCH, "case.nml"], tmp_path)
     assert done.returncode == 0
     words = f"the history ends at t = {t_end} s, when the"
     assert words in done.stderr
@@ -101,12 +78,11 @@ def test_a_whole_history_has_no_such_warning() -> None:
 @pytest.mark.parametrize("scene", [BARE, COUPLED])
 def test_many_ordinates_need_no_large_stack(tmp_path: Path, scene: str) -> None:
     """Arrays of the size of the user's spectrum are on the heap."""
-    done = run_batch(
-        tmp_path,
+    (tmp_path / "case.nml").write_text(
         scene + "&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /\n&solver t_end = 0.01 /\n"
-        "&spectrum T_s_min = 0.1, T_s_max = 3.0, n = 100000 /\n",
-        stack=2**18,
+        "&spectrum T_s_min = 0.1, T_s_max = 3.0, n = 100000 /\n"
     )
+    done = run_words([BATCH, "case.nml"], tmp_path, stack=2**18)
     assert done.returncode == 0, done.stderr
     with (tmp_path / "case.spectrum.csv").open() as file:
         assert sum(line[:1].isdigit() for line in file) == 100000

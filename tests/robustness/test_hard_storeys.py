@@ -1,7 +1,5 @@
 """Storeys that yield one by one, beside other springs, against quadruple precision."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

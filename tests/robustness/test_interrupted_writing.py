@@ -1,7 +1,5 @@
 """Signals while files are written: complete files and status 0, or none of them and 130."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import signal
@@ -72,48 +70,40 @@ def test_interrupted_while_writing(entry: str, text: str, number: int, tmp_path:
     assert all(path.read_text(encoding="utf-8") == "earlier" for path in earlier)
 
 
-def test_a_signal_behind_the_last_file_is_too_late(tmp_path: Path) -> None:
-    """The files are complete: status 0. The report blocks in a full pipe meanwhile."""
-    (tmp_path / "case.nml").write_text(RUN, encoding="utf-8")
+def _signalled(names: list[str], first: Path) -> tuple[int, bytes, bytes]:
+    """Send SIGTERM when a file is there, while the report blocks in a full pipe."""
     reader, writer = os.pipe()
-    room = fcntl.fcntl(writer, fcntl.F_GETPIPE_SZ)
-    os.write(writer, b"x" * room)
+    os.write(writer, b"x" * fcntl.fcntl(writer, fcntl.F_GETPIPE_SZ))
     with subprocess.Popen(
-        WORDS["batch"], cwd=tmp_path, stdout=writer, stderr=subprocess.PIPE
+        [BATCH, *names], cwd=first.parent, stdout=writer, stderr=subprocess.PIPE
     ) as process:
         os.close(writer)
-        while not (tmp_path / "case.summary.csv").exists():
+        while not first.exists():
             assert process.poll() is None
             time.sleep(0.01)
         time.sleep(0.1)
         process.send_signal(signal.SIGTERM)
         time.sleep(0.1)
         with os.fdopen(reader, "rb") as stream:
-            assert b"summary written" in stream.read()
-        process.communicate(timeout=60)
-    assert process.returncode == 0
+            output = stream.read()
+        _, told = process.communicate(timeout=60)
+    return process.returncode, output, told
+
+
+def test_a_signal_behind_the_last_file_is_too_late(tmp_path: Path) -> None:
+    """The files are complete: status 0."""
+    (tmp_path / "case.nml").write_text(RUN, encoding="utf-8")
+    status, output, _ = _signalled(["case.nml"], tmp_path / "case.summary.csv")
+    assert b"summary written" in output
+    assert status == 0
 
 
 def test_the_next_case_is_not_begun(tmp_path: Path) -> None:
     """A signal between two cases leaves the first complete and nothing of the second."""
     for name in ("one", "two"):
         (tmp_path / f"{name}.nml").write_text(RUN, encoding="utf-8")
-    reader, writer = os.pipe()
-    os.write(writer, b"x" * fcntl.fcntl(writer, fcntl.F_GETPIPE_SZ))
-    with subprocess.Popen(
-        [BATCH, "one.nml", "two.nml"], cwd=tmp_path, stdout=writer, stderr=subprocess.PIPE
-    ) as process:
-        os.close(writer)
-        while not (tmp_path / "one.summary.csv").exists():
-            assert process.poll() is None
-            time.sleep(0.01)
-        time.sleep(0.1)
-        process.send_signal(signal.SIGTERM)
-        time.sleep(0.1)
-        with os.fdopen(reader, "rb") as stream:
-            stream.read()
-        _, told = process.communicate(timeout=60)
-    assert process.returncode == 130
+    status, _, told = _signalled(["one.nml", "two.nml"], tmp_path / "one.summary.csv")
+    assert status == 130
     assert b"two.nml: not begun: interrupted" in told
     assert not (tmp_path / "two.summary.csv").exists()
 

@@ -6,8 +6,6 @@ pressed down and lifted again some 1e5 times in a nanosecond. Found by `test_har
 (its number 4019).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import combinations

@@ -3,8 +3,6 @@
 The former have smooth hysteresis.
 """
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

@@ -5,8 +5,6 @@ in one step. The velocities at both ends are alike, and two peaks lie between th
 Here the first one is the largest of all. Found by `test_hard_combinations.py` (number 5274).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Largest magnitudes of demands whose sign changes inside the step that holds the peak."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

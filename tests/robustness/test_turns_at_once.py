@@ -7,8 +7,6 @@ branch. It must not count as beyond the limit, or the same step returns for ever
 `test_hard_combinations.py` (number 148 of the further ones).
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Each quantity of a scene by itself beside the same quantity among all, in every path."""
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence

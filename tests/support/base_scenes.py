@@ -1,7 +1,5 @@
 """Random walls on a base that gives, with the second program of each (`compliant_wall`)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Random scenes with walls that bend, from numbers."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -9,8 +9,6 @@ or knot of the ground motion. SciPy integrates each piece, and its solution is s
 largest demands. The program is independent of the kernel.
 """
 
-from __future__ import annotations
-
 import copy
 import math
 from bisect import bisect_right

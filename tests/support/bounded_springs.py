@@ -6,8 +6,6 @@ meet around the origin. The program is independent of the kernel, which stores b
 displacements.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

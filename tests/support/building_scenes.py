@@ -3,8 +3,6 @@
 The same number makes the same scene on every machine, so that a finding is a number.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A host in C, spoken to from Python: `include/rwmf.h` through ctypes."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 from collections.abc import Callable, Iterator, Sequence

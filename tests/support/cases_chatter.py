@@ -1,7 +1,5 @@
 """Chatter: impacts that accumulate, and rest that alternates with lift-off."""
 
-from __future__ import annotations
-
 from hard_scenes import BLOCK, Hard, quiet, sine
 
 _FREE = {"motion": quiet(), "initial": {"theta_over_alpha": 0.5}}

@@ -1,7 +1,5 @@
 """Parameters far from the usual ones."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

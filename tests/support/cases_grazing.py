@@ -1,7 +1,5 @@
 """Grazing: touches of theta = 0, small arches beyond it, events that fall together."""
 
-from __future__ import annotations
-
 from hard_scenes import BLOCK, Groups, Hard, quiet
 
 _START: Groups = {"initial": {"theta_over_alpha": 0.3}, "solver": {"t_end": 2.5}}

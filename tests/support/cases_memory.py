@@ -1,7 +1,5 @@
 """Springs with memory: branches that end at a turn, at an impact, at rest, or all at once."""
 
-from __future__ import annotations
-
 import math
 
 from hard_scenes import Hard, quiet, scene, sine

@@ -1,7 +1,5 @@
 """Overturning: both sides of the boundary, and returns from beyond alpha."""
 
-from __future__ import annotations
-
 import math
 
 from hard_scenes import BLOCK, Groups, Hard, quiet, wall

@@ -1,7 +1,5 @@
 """Near-fault pulses: jumps at both ends, tails that fade, peaks that barely lift the wall."""
 
-from __future__ import annotations
-
 import math
 
 from hard_scenes import BLOCK, Hard, threshold

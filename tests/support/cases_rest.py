@@ -1,7 +1,5 @@
 """Rest and lift-off: at the threshold, around it, and where the motion has knots and jumps."""
 
-from __future__ import annotations
-
 from hard_scenes import BLOCK, Hard, threshold
 
 _COUPLED = {"frame": {"T_s": 0.4}}

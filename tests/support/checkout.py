@@ -1,10 +1,9 @@
 """Places of the checkout that tests name, and programs that they run."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os
+import resource
 import subprocess
 import sys
 from collections.abc import Callable
@@ -43,7 +42,7 @@ def run_python(code: str, folder: Path, *path: Path) -> subprocess.CompletedProc
 
 
 def run_words(
-    words: list[str | Path], folder: Path, **environment: str
+    words: list[str | Path], folder: Path, stack: int = 0, **environment: str
 ) -> subprocess.CompletedProcess[str]:
     """Run a command in a folder; its exit status is the caller's to judge.
 
@@ -53,6 +52,8 @@ def run_words(
         Program and arguments.
     folder : Path
         Where it runs.
+    stack : int
+        Size of its stack [bytes]; 0 for that of the tests.
     **environment : str
         Variables that it sees besides those of the tests.
 
@@ -61,14 +62,19 @@ def run_words(
     subprocess.CompletedProcess
         Status and streams.
     """
+
+    def shrink() -> None:
+        resource.setrlimit(resource.RLIMIT_STACK, (stack, stack))
+
     return subprocess.run(
         [str(word) for word in words],
         cwd=folder,
         env=os.environ | environment,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
         check=False,
+        preexec_fn=shrink if stack else None,
     )
 
 

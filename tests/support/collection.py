@@ -1,7 +1,5 @@
 """All hard cases, their trusted answers, and the verdict on a method."""
 
-from __future__ import annotations
-
 import csv
 import math
 import zlib
@@ -190,8 +188,7 @@ def evaluate(hard: Hard, truth: Answer, method: str, folder: Path) -> Row:
 
 def read_answers() -> dict[tuple[str, str], Answer]:
     """Read the stored answers, by family and name."""
-    kinds = {field.name: {"str": str, "int": int}.get(str(field.type), float)
-             for field in fields(Answer)}  # fmt: skip
+    kinds = {field.name: field.type for field in fields(Answer)}
     with ANSWERS.open(encoding="utf-8", newline="") as stream:
         rows = csv.DictReader(line for line in stream if not line.startswith("#"))
         answers = [Answer(**{key: kinds[key](row[key]) for key in kinds}) for row in rows]

@@ -4,8 +4,6 @@ A number makes the same scene on every machine, so that a number describes a fin
 of ``test_hard_combinations.py`` use the same scenes.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import dataclass, replace

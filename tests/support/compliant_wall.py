@@ -5,8 +5,6 @@ accelerations. SciPy integrates them. Its events cut the motion at every kink of
 contact reaches an edge, the tendon slackens, the base slips or sticks, and strips or fuses yield.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Scenes of ratios expressed in kg, N and Pa."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,10 +1,6 @@
 """Cases that are exported to OpenSees: each group alone, and ten buildings."""
 
-from __future__ import annotations
-
 import rwmf
-
-__all__ = ["ALONE", "BUILDINGS", "CASES", "FRAME", "MOTION", "WALL", "case_of"]
 
 WALL = "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' /"
 FRAME = "&frame T_s = 0.8, gamma = 3.0, xi_s = 0.04 /"
@@ -81,39 +77,35 @@ ALONE = {
     + "&base k_t_over_m_w = 2e4, xi = 0.2 /",
     "hinge": "&wall h = 5.0, b = 1.2, m_w = 40e3, base = 'pinned' /" + FRAME,
 }
+
+
+def building(n: int, coupling: str, *effects: str) -> str:
+    """Write a wall with storeys and effects."""
+    return "".join((WALL, storeys(n, coupling), *effects, LONGER))
+
+
+PLASTIC = FUSE.format("elastic_plastic")
 BUILDINGS = {
-    "1 storey, tendon, fuses": WALL + FRAME + CABLE + FUSE.format("elastic_plastic") + LONGER,
-    "2 storeys, roof, flag fuses": WALL + storeys(2, "full") + CABLE + FUSE.format("flag") + LONGER,
-    "3 storeys, every floor, columns yield, P-Delta": WALL
-    + storeys(3, "every_floor")
-    + STOREYS_YIELD.format("elastic_plastic")
-    + "&p_delta m_g = 90e3 /"
-    + LONGER,
-    "4 storeys, roof, pinching, tendon": WALL + storeys(4, "full") + CABLE + PINCHED + LONGER,
-    "4 storeys, every floor, peak oriented": WALL
-    + storeys(4, "every_floor")
-    + CAPPED.format("peak_oriented", "")
-    + LONGER,
-    "5 storeys, roof, tendon that yields": WALL
-    + storeys(5, "full")
-    + TENDON.format("law = 'truss', eta_y = 1.1")
-    + LONGER,
-    "6 storeys, every floor, tendon, fuses": WALL
-    + storeys(6, "every_floor")
-    + CABLE
-    + FUSE.format("elastic_plastic")
-    + LONGER,
-    "7 storeys, roof, flag columns, tendon": WALL
-    + storeys(7, "full")
-    + CABLE
-    + STOREYS_YIELD.format("flag")
-    + LONGER,
-    "8 storeys, every floor, dampers": WALL
-    + storeys(8, "every_floor")
-    + CABLE
-    + "&nl_damper F_1 = 3e4, exponent = 0.5 /"
-    + LONGER,
-    "9 storeys, every floor, tendon": WALL + storeys(9, "every_floor") + CABLE + LONGER,
+    "1 storey, tendon, fuses": WALL + FRAME + CABLE + PLASTIC + LONGER,
+    "2 storeys, roof, flag fuses": building(2, "full", CABLE, FUSE.format("flag")),
+    "3 storeys, every floor, columns yield, P-Delta": building(
+        3, "every_floor", STOREYS_YIELD.format("elastic_plastic"), "&p_delta m_g = 90e3 /"
+    ),
+    "4 storeys, roof, pinching, tendon": building(4, "full", CABLE, PINCHED),
+    "4 storeys, every floor, peak oriented": building(
+        4, "every_floor", CAPPED.format("peak_oriented", "")
+    ),
+    "5 storeys, roof, tendon that yields": building(
+        5, "full", TENDON.format("law = 'truss', eta_y = 1.1")
+    ),
+    "6 storeys, every floor, tendon, fuses": building(6, "every_floor", CABLE, PLASTIC),
+    "7 storeys, roof, flag columns, tendon": building(
+        7, "full", CABLE, STOREYS_YIELD.format("flag")
+    ),
+    "8 storeys, every floor, dampers": building(
+        8, "every_floor", CABLE, "&nl_damper F_1 = 3e4, exponent = 0.5 /"
+    ),
+    "9 storeys, every floor, tendon": building(9, "every_floor", CABLE),
 }
 CASES = ALONE | BUILDINGS
 

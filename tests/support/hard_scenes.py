@@ -1,7 +1,5 @@
 """Hard cases, and the scene from which most of them are derived."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,13 +1,9 @@
 """Memory in use by this process, to the byte."""
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import sys
 from collections.abc import Callable
-
-__all__ = ["growth"]
 
 _FIELDS = [
     "arena", "pieces", "small", "maps", "mapped", "most", "freed", "used", "free", "releasable",

@@ -5,8 +5,6 @@ Springs that yield are followed by return mapping in fixed steps, everything els
 method with located impacts. The program is independent of the kernel.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -8,8 +8,6 @@ compares the results with the plain run. ``REFUSALS`` lists refusals with reason
 ``test_matrix.py`` runs all cells, and requires a row for every effect of the kernel.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -4,8 +4,6 @@ With RWMF_MUST_RUN=1, as `.ci/run` sets it, every other skip is a failure: a pac
 missing would take its tests along unseen.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Generator
 from typing import TypeVar

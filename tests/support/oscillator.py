@@ -4,8 +4,6 @@ u'' + 2 xi w u' + w^2 u = -a(t): in each interval the state follows from the mat
 the system that is extended by the acceleration and its slope; peaks are zeros of the velocity.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Processor time of a computing process, independent of other processes."""
 
-from __future__ import annotations
-
 import os
 import resource
 import subprocess

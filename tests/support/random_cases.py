@@ -1,7 +1,5 @@
 """Seeded generator of random scenes: all formulations, pulses and records."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Cases that several tests start from."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path
@@ -59,3 +57,37 @@ def read_table(path: Path) -> tuple[list[str], list[dict[str, str]]]:
     comments = [line for line in lines if line.startswith("#")]
     rows = csv.DictReader(line for line in lines if not line.startswith("#"))
     return comments, list(rows)
+
+
+# of the wall of `retrofit` [N]
+WEIGHT = 4 * 9.6 * 2.0 * 0.35 * 2500.0 * 9.81
+
+
+def retrofit(coupling: str, **groups: object) -> rwmf.Case:
+    """Six storeys with a wall, tendon and fuses, by their dimensions.
+
+    Parameters
+    ----------
+    coupling : str
+        Word of `&storeys`.
+    **groups : dict
+        Further groups.
+
+    Returns
+    -------
+    rwmf.Case
+        The case.
+    """
+    storeys = {"n": 6, "m": 1.5e5, "height": 3.2, "T_1": 1.05, "distribution": "linear",
+               "coupling": coupling}  # fmt: skip
+    return rwmf.Case(
+        wall={"h": 9.6, "b": 2.0, "thickness": 0.35, "density": 2500.0},
+        frame={"xi_s": 0.03},
+        storeys=storeys | ({"k_link": 1e8} if coupling == "springs" else {}),
+        cable={"strands": 20, "strand_area": 1.4e-4, "modulus": 1.95e11, "initial_stress": 6e8,
+               "law": "truss"},
+        fuse={"F_y": 3e5, "k": 1.5e8},
+        impact={"rule": "coupled"},
+        base_section={"k": 1e10, "E": 3e10},
+        **groups,
+    )  # fmt: skip

@@ -5,8 +5,6 @@ midpoint rule of order 18. Each case is integrated at two tolerances; their diff
 error of the answer.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import rwmf
 

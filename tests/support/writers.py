@@ -1,7 +1,5 @@
 """Commands that write files: text, a figure, the program in Fortran, NetCDF, a film."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,14 +22,11 @@ class Writer:
         Written files.
     through : bool
         Whether it writes to a pipe as well.
-    needs : str
-        Python module without which it cannot run.
     """
 
     words: list[str]
     targets: list[str]
     through: bool = True
-    needs: str = "rwmf"
 
 
 WRITERS = {
@@ -42,12 +37,7 @@ WRITERS = {
     "rwmf-batch": Writer(
         ["rwmf-batch", "case.nml"], ["case.summary.csv", "case.history.csv", "case.spectrum.csv"]
     ),
-    "sweep": Writer(
-        [*RWMF, "sweep", "sweep.nml", "--out", "out.nc"],
-        ["out.nc"],
-        through=False,
-        needs="h5netcdf",
-    ),
+    "sweep": Writer([*RWMF, "sweep", "sweep.nml", "--out", "out.nc"], ["out.nc"], through=False),
     "animate": Writer([*RWMF, "animate", "case.nml", "--fps", "5"], ["case.gif"]),
 }
 

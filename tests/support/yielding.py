@@ -5,8 +5,6 @@ them (perfectly plastic). Within a branch and an interval the system is linear: 
 from a matrix exponential, the ends of a branch are roots.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

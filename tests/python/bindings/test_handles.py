@@ -1,13 +1,10 @@
 """A case is read once and lives in the kernel; results are seen there, not copied, and safely."""
 
-from __future__ import annotations
-
 import copy
 import gc
 import multiprocessing
 import pickle
 import shutil
-import subprocess
 import sys
 import threading
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -16,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
+from checkout import ROOT, run_words
 from rwmf.kernel import results
 from rwmf.run import simulation
 from scenes import coupled, record
@@ -151,13 +149,8 @@ def test_cases_go_to_other_processes(case_file: Path) -> None:
 
 def _run_program(*lines: str) -> str:
     """Output of a Python program that ends well, without a message except warnings of results."""
-    found = subprocess.run(
-        [sys.executable, "-W", "ignore::UserWarning", "-c", "\n".join(lines)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    words = [sys.executable, "-W", "ignore::UserWarning", "-c", "\n".join(lines)]
+    found = run_words(words, ROOT)
     assert (found.returncode, found.stderr) == (0, "")
     return found.stdout
 

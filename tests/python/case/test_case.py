@@ -1,7 +1,5 @@
 """Case objects: typed, immutable, edited by copies, back to namelists."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from pathlib import Path

@@ -3,8 +3,6 @@
 Keys and their ranges come from the kernel's table, values from the shipped inputs.
 """
 
-from __future__ import annotations
-
 import json
 import warnings
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Defaults of a case, and the warning about violated conservation laws."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -155,7 +153,6 @@ def test_the_line_is_true_for_energy() -> None:
 
 def test_warnings_come_back_from_a_file(tmp_path: Path) -> None:
     """None, one and several: the same text in memory and in NetCDF."""
-    pytest.importorskip("h5netcdf")
     case = coupled(solver=SHORT, **PAPER)
     falling = {"cable": {"eta_0": 1.0, "eta_alpha": 5.0}}
     told = [

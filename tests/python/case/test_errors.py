@@ -1,21 +1,14 @@
 """Every error of the input, provoked once: the same message from Python and the batch program."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 import rwmf
-from checkout import ROOT, Runner
-
-sys.path.append(str(ROOT / "tools"))
-
 from bitwise.scenes import Scene, read_scenes
+from checkout import ROOT, Runner, run_python
 
 BASE = """&wall
    h = 2.0
@@ -128,7 +121,7 @@ def test_earlier_results_survive_a_failure(tmp_path: Path, batch: Runner) -> Non
     assert sorted(tmp_path.iterdir()) == [path, summary]
 
 
-def test_an_uncaught_ctrl_c_ends_python_by_its_signal() -> None:
+def test_an_uncaught_ctrl_c_ends_python_by_its_signal(tmp_path: Path) -> None:
     """A shell sees 130, as after Ctrl-C in any program."""
     script = (
         "import signal, threading, rwmf\n"
@@ -137,9 +130,7 @@ def test_an_uncaught_ctrl_c_ends_python_by_its_signal() -> None:
         "threading.Timer(0.1, signal.raise_signal, [signal.SIGINT]).start()\n"
         "rwmf.simulate(case)\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
-    )
+    done = run_python(script, tmp_path)
     assert done.returncode == -signal.SIGINT, done.stderr
     assert "KeyboardInterrupt" in done.stderr
 

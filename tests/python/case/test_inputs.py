@@ -1,7 +1,5 @@
 """Every shipped namelist runs and states its purpose."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A motion from arrays is a record without a file: same rules, same bits, same places."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 from pathlib import Path
@@ -10,6 +8,7 @@ import numpy as np
 import pytest
 import rwmf
 import scenes
+from refused import refusals
 from rwmf.run.simulation import start
 
 _DT = 0.02
@@ -137,27 +136,22 @@ def test_outputs_name_the_motion(tmp_path: Path) -> None:
     assert "scale = 1.5" in text
 
 
-@pytest.mark.parametrize(
-    ("values", "keys", "message"),
-    [
-        ([1.0], {"dt": 0.1}, "1 samples: must be at least 2"),
-        ([1.0, np.nan], {"dt": 0.1}, "sample 2: acceleration nan is not a finite number"),
-        ([1.0, 2.0], {"times": [1.0, 1.0]}, "sample 2: time 1.0 s after 1.0 s"),
-        ([1.0, 2.0], {"times": [1.0, np.inf]}, "sample 2: time inf"),
-        ([1.0, 2.0], {"times": [1.0]}, "2 accelerations at 1 times"),
-        ([[1.0, 2.0]], {"dt": 0.1}, "must have one dimension"),
-        (["a", "b"], {"dt": 0.1}, "must be an array of numbers"),
-        ([1.0, 2.0], {}, "exactly one of dt and times"),
-        ([1.0, 2.0], {"dt": 0.1, "times": [0.0, 0.1]}, "exactly one of dt and times"),
-        ([1.0, 2.0], {"dt": -0.1}, "dt = -0.1: must be a number > 0"),
-        ([1.0, 2.0], {"dt": 0.1, "unit": "mm"}, "unit = 'mm': must be 'g', 'm/s2' or 'cm/s2'"),
-        ([1.0, 2.0], {"dt": 0.1, "name": " "}, "must be printable text"),
-        ([1.0, 2.0], {"dt": 0.1, "name": "a\nb"}, "must be printable text"),
-    ],
+test_samples_are_checked = refusals(
+    lambda values, keys: rwmf.Motion(values, **{"unit": "g"} | keys),
+    ([1.0], {"dt": 0.1}, "1 samples: must be at least 2"),
+    ([1.0, np.nan], {"dt": 0.1}, "sample 2: acceleration nan is not a finite number"),
+    ([1.0, 2.0], {"times": [1.0, 1.0]}, "sample 2: time 1.0 s after 1.0 s"),
+    ([1.0, 2.0], {"times": [1.0, np.inf]}, "sample 2: time inf"),
+    ([1.0, 2.0], {"times": [1.0]}, "2 accelerations at 1 times"),
+    ([[1.0, 2.0]], {"dt": 0.1}, "must have one dimension"),
+    (["a", "b"], {"dt": 0.1}, "must be an array of numbers"),
+    ([1.0, 2.0], {}, "exactly one of dt and times"),
+    ([1.0, 2.0], {"dt": 0.1, "times": [0.0, 0.1]}, "exactly one of dt and times"),
+    ([1.0, 2.0], {"dt": -0.1}, "dt = -0.1: must be a number > 0"),
+    ([1.0, 2.0], {"dt": 0.1, "unit": "mm"}, "unit = 'mm': must be 'g', 'm/s2' or 'cm/s2'"),
+    ([1.0, 2.0], {"dt": 0.1, "name": " "}, "must be printable text"),
+    ([1.0, 2.0], {"dt": 0.1, "name": "a\nb"}, "must be printable text"),
 )
-def test_samples_are_checked(values: object, keys: dict[str, object], message: str) -> None:
-    with pytest.raises(rwmf.InputError, match=message.replace("(", r"\(")):
-        rwmf.Motion(values, **({"unit": "g"} | keys))  # type: ignore[arg-type]
 
 
 def test_what_a_case_makes_of_samples_is_checked() -> None:

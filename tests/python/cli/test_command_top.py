@@ -1,7 +1,5 @@
 """Top level of the command: no option, file, stream or bug may show a traceback."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -21,6 +19,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Give a folder with a case, a block and a sweep, in which the command runs."""
     coupled(solver=QUICK).to_namelist(tmp_path / "case.nml")
     block(initial={"theta_over_alpha": 1.2}).to_namelist(tmp_path / "fallen.nml")
+    storeys = {"m_over_m_w": [2.0, 1.5], "k_over_m_w": [900.0, 700.0], "height": [2.0, 2.0]}
+    tall = coupled(frame={"T_s": None, "gamma": None}, storeys=storeys | {"coupling": "full"})
+    tall.to_namelist(tmp_path / "tall.nml")
     (tmp_path / "s.nml").write_text("&sweep case='case.nml' /\n&grid T_s=1.0 /\n", "utf-8")
     (tmp_path / "only.csv").write_text("# part 1/2\n", "utf-8")
     (tmp_path / "many.csv").write_text(f"# part {'1' * 5000}/2\n", "utf-8")
@@ -50,6 +51,7 @@ def _told(words: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[int, str
         (["sweep", LONG], "the file does not exist"),
         (["run", "case.nml", "--out", LONG], "x: File name too long"),
         (["run", "case.nml", "--out", LONG + ".png"], "a name has at most 255 bytes"),
+        (["spectrum", "case.nml", "--threads", "100000"], "100000: must be"),
         (["spectrum", "case.nml", "--threads", "two"], "--threads: two: must be a whole number"),
         (["cost", "case.nml", "--out", "x.doc"], "is not a format of figures"),
         (["cost", "case.nml", "--target", "nan"], "--target: nan: must be in (0, 1)"),
@@ -78,6 +80,24 @@ def _told(words: list[str], capfd: pytest.CaptureFixture[str]) -> tuple[int, str
         (
             ["sweep", "--out", "o.csv", "--merge", "pipe"],
             "pipe: the file is empty or not a regular file",
+        ),
+        (["run", "case.nml", "fallen.nml"], "several cases need --out"),
+        (["run", "case.nml", "fallen.nml", "--out", "x"], "must end with .csv, .nc, .jsonl"),
+        (["run", "case.nml", "--out", "t.csv", "--out", "x.png"], "FILE.png: needs one case"),
+        (["run", "case.nml", "case.nml", "--out", "case.nml"], "must end with"),
+        (["pushover", "tall.nml", "--run"], "--run: needs a figure"),
+        (["pushover", "tall.nml", "--drifts", "2"], "must be between -1 and 1"),
+        (["pushover", "tall.nml", "--drifts", "x"], "finite numbers with commas"),
+        (
+            ["pushover", "tall.nml", "--pattern", "1,2,3"],
+            "has 3 values, must have one for each floor that is loaded: 2",
+        ),
+        (["pushover", "tall.nml", "--pattern", "second"], "must be first_mode, roof, or forces"),
+        (["pushover", "tall.nml", "--steps", "0"], "must be a whole number"),
+        (["pushover", "tall.nml", "--forces", "1,2"], "now: --pattern F1,F2"),
+        (
+            ["pushover", "tall.nml", "--out", "x.svg", "--out", "y.png"],
+            "allowed is one file and one figure",
         ),
         (["animate", "fallen.nml", "--fps", "0"], "--fps: 0: must be a whole number in [1, 100]"),
         (["animate", "fallen.nml", "--until", "-1"], "--until: -1: must be a finite number > 0"),

@@ -1,7 +1,5 @@
 """Messages of the program: suggestions, written files, numbers, optional packages."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import tomllib
@@ -117,7 +115,6 @@ def test_times_are_displayed_as_written(n: int, dt: float) -> None:
 def test_run_names_what_it_writes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     coupled(solver={"t_end": 0.5}).to_namelist("case.nml")
     words = ["run", "case.nml", "--out", "a.svg", "--loops", "b.svg", "--out", "."]

@@ -1,7 +1,5 @@
 """``rwmf new``, several cases in ``rwmf run``, and the JSON schema of a case."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path
@@ -70,21 +68,6 @@ def test_a_table_of_cases(command: Runner, batch: Runner, tmp_path: Path) -> Non
     assert np.isnan(netcdf["u_s_max_m"].values[[1, 3]]).all(), "no frame, no result"
     assert netcdf["t_u_s_max_s"].attrs["units"] == "s"
     assert netcdf["case"].values.tolist() == list(words[1:])
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["a.nml", "b.nml"], "several cases need --out"),
-        (["a.nml", "b.nml", "--out", "folder"], "must end with .csv, .nc, .jsonl"),
-        (["a.nml", "--out", "t.csv", "--out", "x.png"], "--out FILE.png: needs one case"),
-        (["a.nml", "a.nml", "--out", "a.nml"], "must end with"),
-    ],
-)
-def test_words_that_no_table_has(command: Runner, words: list[str], said: str) -> None:
-    found = command("run", *words)
-    assert found.returncode == 2
-    assert said in found.stderr
 
 
 def test_a_table_is_not_written_over_a_record(command: Runner, tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """``rwmf pushover``: table, JSON and CSV agree with the dataset; its errors."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path
@@ -72,23 +70,3 @@ def test_table(command: Runner, case_file: Path) -> None:
         "storey 1 yields",
     ):
         assert words in found.stdout
-
-
-@pytest.mark.parametrize(
-    ("words", "text"),
-    [
-        (["--run"], "--run: needs a figure"),
-        (["--drifts", "2"], "must be between -1 and 1"),
-        (["--drifts", "x"], "finite numbers with commas"),
-        (["--pattern", "1,2,3"], "has 3 values, must have one for each floor that is loaded: 2"),
-        (["--pattern", "second"], "must be first_mode, roof, or forces"),
-        (["--steps", "0"], "must be a whole number"),
-        (["--forces", "1,2"], "now: --pattern F1,F2"),
-        (["--out", "x.svg", "--out", "y.png"], "allowed is one file and one figure"),
-    ],
-)
-def test_errors(command: Runner, case_file: Path, words: list[str], text: str) -> None:
-    found = command("pushover", str(case_file), *words)
-    assert found.returncode == 2
-    assert text in found.stderr
-    assert "Traceback" not in found.stderr

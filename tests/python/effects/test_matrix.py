@@ -3,8 +3,6 @@
 The tables and the columns are in `matrix.py`, which also makes docs/reference/matrix.md.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

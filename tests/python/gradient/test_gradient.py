@@ -1,7 +1,5 @@
 """Derivatives of results: closed forms, keys that follow, bounds, lists, kinks and suites."""
 
-from __future__ import annotations
-
 import cmath
 import contextlib
 import math
@@ -11,6 +9,7 @@ import numpy as np
 import pytest
 import rwmf
 from random_cases import random_cases
+from refused import refusals
 from rwmf.assess import held_keys
 from rwmf.assess.held_keys import (
     derivative_at,
@@ -238,22 +237,17 @@ def test_numbers_of_lists() -> None:
         rwmf.gradient(masses, "m(7)")
 
 
-@pytest.mark.parametrize(
-    ("parameter", "message"),
-    [
-        ("n_pulses", "whole number"),
-        ("law", "choice"),
-        ("rtol", "setting of the solver"),
-        ("output.dt", "setting of the output"),
-        ("damper.c_over_m_w", "no &damper"),
-        ("v_p", "gives a_max_g"),
-        ("T_S_", "no key"),
-        ("T_s(2)", "is no list"),
-    ],
+test_refused_parameters = refusals(
+    lambda parameter: rwmf.gradient(coupled(), parameter),
+    ("n_pulses", "whole number"),
+    ("law", "choice"),
+    ("rtol", "setting of the solver"),
+    ("output.dt", "setting of the output"),
+    ("damper.c_over_m_w", "no &damper"),
+    ("v_p", "gives a_max_g"),
+    ("T_S_", "no key"),
+    ("T_s(2)", "is no list"),
 )
-def test_refused_parameters(parameter: str, message: str) -> None:
-    with pytest.raises(rwmf.InputError, match=message):
-        rwmf.gradient(coupled(), parameter)
 
 
 def test_refused_quantities_and_statistics() -> None:

@@ -1,6 +1,4 @@
-"""The groups `&sensitivity` and `&design`: the commands give the results of the functions."""
-
-from __future__ import annotations
+"""The command `rwmf gradient`; the groups `&sensitivity` and `&design` by command and function."""
 
 import json
 from pathlib import Path
@@ -8,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
+from refused import refusals
 from rwmf.cli import main
 from scenes import coupled
 
@@ -74,20 +73,15 @@ def test_design_of_a_case(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert 0.05 <= json.loads(capsys.readouterr().out)["values"]["xi_s"] <= 0.1
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"low": [0.02, 0.1]}, "low = 0.02, 0.1: must have one number for each of the 1 param"),
-        ({"high": [0.01]}, "must be below high: number 1 is not"),
-        ({"percentile": 50.0, "probability": 0.5}, "must not be given beside percentile"),
-        ({"percentile": 0.0}, "percentile = 0"),
-        ({"left_out": ["a.csv"]}, "must not be given without records"),
-        ({"cost": None}, "cost is missing"),
-    ],
+test_refused_designs = refusals(
+    lambda changes: coupled(limits={"u_s_max_m": 0.2}, design=DESIGN | changes),
+    ({"low": [0.02, 0.1]}, "low = 0.02, 0.1: must have one number for each of the 1 param"),
+    ({"high": [0.01]}, "must be below high: number 1 is not"),
+    ({"percentile": 50.0, "probability": 0.5}, "must not be given beside percentile"),
+    ({"percentile": 0.0}, "percentile = 0"),
+    ({"left_out": ["a.csv"]}, "must not be given without records"),
+    ({"cost": None}, "cost is missing"),
 )
-def test_refused_designs(changes: dict[str, object], message: str) -> None:
-    with pytest.raises(rwmf.InputError, match=message):
-        coupled(limits={"u_s_max_m": 0.2}, design=DESIGN | changes)
 
 
 def test_refused_requests_name_their_place(
@@ -125,3 +119,21 @@ def test_refused_groups(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert "&sensitivity" in capsys.readouterr().err
     assert main(["design", plain]) == 2
     assert "&design" in capsys.readouterr().err
+
+
+def test_table_and_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "case.nml"
+    coupled(solver={"t_end": 4.0}).to_namelist(path)
+    words = ["gradient", str(path), "--parameters", "T_s,eta_0", "xi_s"]
+    assert main([*words, "--quantities", "u_s_max", "theta_max_over_alpha", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    truth = rwmf.gradient(path, ("T_s", "eta_0", "xi_s"), ("u_s_max", "theta_max_over_alpha"))
+    assert found["parameter"] == ["T_s", "eta_0", "xi_s"]
+    assert found["derivative"] == truth["derivative"].values.tolist()
+    assert main(words) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("u_s_max = ")
+    assert [line.split()[0] for line in lines[2:]] == ["T_s", "eta_0", "xi_s"]
+    assert float(lines[2].split()[2]) == pytest.approx(found["derivative"][0][0], rel=1e-7)
+    assert main([*words[:-1], "law"]) == 2
+    assert "choice" in capsys.readouterr().err

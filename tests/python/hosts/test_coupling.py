@@ -1,7 +1,5 @@
 """A wall coupled with frames of other programs, beside the kernel's own frame."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 import importlib.util

@@ -1,7 +1,5 @@
 """Walls that step with a host in Python: the bits of other hosts, threads, memory, errors."""
 
-from __future__ import annotations
-
 import copy
 import functools
 import itertools

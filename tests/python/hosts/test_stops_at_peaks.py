@@ -1,7 +1,5 @@
 """Host times at which a yielding frame turns: the next advance goes on."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

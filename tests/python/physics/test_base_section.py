@@ -1,7 +1,5 @@
 """The section at the base on a strip without tension: printed numbers, equilibrium, every scene."""
 
-from __future__ import annotations
-
 import doctest
 import math
 from itertools import pairwise
@@ -14,6 +12,7 @@ import pytest
 import rwmf
 import xarray as xr
 from checkout import Runner
+from refused import refusals
 from scenes import bare_frame, block, coupled, read_table
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -163,23 +162,16 @@ def test_no_force_no_contact() -> None:
         assert found[name].values.tolist() == [0.0, 0.0]
 
 
-@pytest.mark.parametrize(
-    ("force", "theta", "changes", "message"),
-    [
-        ([1.0, 2.0], [1.0, 2.0, 3.0], {}, "theta = .*: must be one number, or as many as N"),
-        ("x", 0.1, {}, "N = "),
-        (1e6, 0.1, {"k": -1.0}, "k = -1.0: must be a finite number > 0"),
-        (1e6, 0.1, {"width": 0.0}, "width = 0.0: must be a finite number > 0"),
-        (1e6, 0.1, {"thickness": None}, "thickness = "),
-        (1e6, 0.1, {"E": 0.0}, "E = 0.0: must be a finite number > 0"),
-        (1e6, 0.1, {"f_c": 0.0}, "f_c = 0.0: must be a finite number > 0"),
-    ],
+test_wrong_arguments = refusals(
+    lambda force, theta, changes: _section(force, theta, **changes),
+    ([1.0, 2.0], [1.0, 2.0, 3.0], {}, "theta = .*: must be one number, or as many as N"),
+    ("x", 0.1, {}, "N = "),
+    (1e6, 0.1, {"k": -1.0}, "k = -1.0: must be a finite number > 0"),
+    (1e6, 0.1, {"width": 0.0}, "width = 0.0: must be a finite number > 0"),
+    (1e6, 0.1, {"thickness": None}, "thickness = "),
+    (1e6, 0.1, {"E": 0.0}, "E = 0.0: must be a finite number > 0"),
+    (1e6, 0.1, {"f_c": 0.0}, "f_c = 0.0: must be a finite number > 0"),
 )
-def test_wrong_arguments(
-    force: npt.ArrayLike, theta: npt.ArrayLike, changes: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(rwmf.InputError, match=message):
-        _section(force, theta, **changes)
 
 
 def _storeys(coupling: str, **changes: dict[str, object] | None) -> rwmf.Case:
@@ -292,10 +284,10 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("section", "changes", "message"), REFUSED)
-def test_refused(section: dict[str, Any], changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(rwmf.InputError, match=message):
-        coupled(**{"wall": WALL, **changes, "base_section": section})
+test_refused = refusals(
+    lambda section, changes: coupled(**{"wall": WALL, **changes, "base_section": section}),
+    *REFUSED,
+)
 
 
 def test_other_bases_are_refused() -> None:

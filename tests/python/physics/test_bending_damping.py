@@ -1,7 +1,5 @@
 """Damping ratios of a wall that bends, with its floors: shapes integrated by NumPy, and a decay."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

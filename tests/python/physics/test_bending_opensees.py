@@ -1,7 +1,5 @@
 """Stored results of OpenSees for a wall that bends: complete, and the targets of the page."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Yielding frames beside a wall that bends: every coupling, every law, every interface."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

@@ -3,8 +3,6 @@
 The second program is `support/compliant_wall.py`; docs/theory/base.md has the equations.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

@@ -6,8 +6,6 @@ over the modes; drifts, shears and the overturning moment follow from them. The 
 between the samples of that solution. The solution is independent of the kernel.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from pathlib import Path
@@ -358,43 +356,6 @@ def test_other_methods_find_the_same(method: str) -> None:
     keys = [*_keys(2), "wall_shear_max_over_m_w_g", "wall_moment_max_over_m_w_g"]
     for key in keys:
         assert float(found[key]) == pytest.approx(float(expected[key]), rel=2e-6), key
-
-
-@pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor", ""])
-def test_an_ordinate_is_the_run(coupling: str) -> None:
-    """Quantities requested by name in lanes equal those of a run, to the last bit."""
-    m, k, height = STOREYS[2]
-    storeys: dict[str, dict[str, object] | None] = {
-        "wall": {"h": sum(height) / 2, "b": 0.8},
-        "frame": {"T_s": None, "gamma": None},
-        "storeys": {"m_over_m_w": m, "k_over_m_w": k, "height": height, "coupling": coupling},
-    }
-    case = coupled(
-        **(storeys if coupling else {}),
-        solver={"t_end": 4.0, "rtol": 1e-9, "method": "dop853"},
-    )
-    asked = [
-        "floor_1_acceleration_max_g",
-        "floor_acceleration_max_g",
-        "roof_drift_max",
-        "overturning_moment_max_over_weight",
-        "wall_moment_max_over_m_w_g",
-        "wall_moment_max_height",
-    ]
-    if coupling:
-        asked += ["storey_2_drift_max", "storey_drift_max", "storey_1_shear_max_over_m_w_g"]
-    periods = [0.2 + 0.05 * i for i in range(20)]
-    found = rwmf.spectrum(case, T_s=periods, quantities=asked).squeeze()
-    alone = rwmf.spectrum(case, T_s=periods[7:8], quantities=asked[:1])
-    assert float(alone[asked[0]].squeeze()) == float(found[asked[0]][7])
-    frame: dict[str, dict[str, object]] = {"frame": {"T_s": periods[7]}}
-    if coupling:
-        scale = (float(rwmf.simulate(case)["T_s"]) / periods[7]) ** 2
-        frame = {"storeys": {"k_over_m_w": [scale * value for value in k]}}
-    run = rwmf.simulate(case.replace(output={"reactions": True}, **frame))
-    for name in asked:
-        rel = 1e-8 if coupling else 0.0
-        assert float(found[name][7]) == pytest.approx(float(run[name]), rel=rel, abs=0), name
 
 
 def test_smooth_frame_beside_a_wall_at_rest() -> None:

@@ -6,8 +6,6 @@ self-centring, with cables, dampers, fuses, vertical motion and gravity on the f
 RWMF_BUILDINGS is the number of rounds of the slow test, RWMF_BUILDINGS_FIRST the first one.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from dataclasses import replace

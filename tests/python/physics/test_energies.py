@@ -1,7 +1,5 @@
 """Parts of the energy ledger: energies of inelastic springs and of masses."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

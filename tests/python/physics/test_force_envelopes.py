@@ -3,8 +3,6 @@
 `test_demands_of_walls.py` holds every one of them against the program of single bodies as well.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any
@@ -22,9 +20,6 @@ H, B = 6.0, 1.5
 L = 2 * H
 SLICES = 2000
 M_W = 2e5
-# observed of the wall at its base and its middle, over m_w g
-ENDS = tuple(f"wall_{what}_{place}_max_over_m_w_g" for place in ("base", "mid")
-             for what in ("shear", "moment"))  # fmt: skip
 PULSE = {"kind": "one_sine", "a_max_g": 0.35, "omega_p": 4.0}
 FREE = {
     "wall": {"h": H, "b": B},

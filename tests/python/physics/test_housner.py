@@ -1,7 +1,5 @@
 """A free-standing block: nonlinear quarter periods, restitution, lift-off."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

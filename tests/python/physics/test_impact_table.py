@@ -1,7 +1,5 @@
 """Velocity factor from a table over the velocity before the impact."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf
@@ -83,20 +81,3 @@ def test_the_smallest_factor_has_its_impulse_outside_the_base() -> None:
     (line,) = run.attrs["warnings"].splitlines()
     assert line.startswith("e = 0.5 is below e_max = 0.994")
     assert rwmf.simulate(coupled(impact=_table([0.1, 1.0], [1.0, 0.995]))).attrs["warnings"] == ""
-
-
-def test_spectrum_is_that_of_single_runs() -> None:
-    """The rows of dop853 have the bits of runs, those by series their accuracy."""
-    table = _table(SPEEDS, FACTORS)
-    for method in ("auto", "dop853"):
-        spectrum = rwmf.spectrum(
-            coupled(impact=table, solver={"method": method}, spectrum={"T_s": [0.4, 1.0]})
-        )
-        for i, T_s in enumerate([0.4, 1.0]):
-            run = rwmf.simulate(
-                coupled(impact=table, solver={"method": "dop853"}, frame={"T_s": T_s})
-            )
-            expected = float(run["u_s_max"])
-            if method == "auto":
-                expected = pytest.approx(expected, rel=1e-8)
-            assert spectrum["u_s_max"].values.ravel()[i] == expected

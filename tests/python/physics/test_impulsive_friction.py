@@ -1,7 +1,5 @@
 """Friction that the impulse of an impact needs: balances of momentum of single bodies."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Inerters at the corners of the base: inertia that only a lifting corner has."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

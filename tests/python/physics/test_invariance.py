@@ -1,7 +1,5 @@
 """Invariances of the result, and changes with known effects."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

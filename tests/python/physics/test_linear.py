@@ -1,7 +1,5 @@
 """The frame alone is a linear oscillator: exact solutions and published values."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

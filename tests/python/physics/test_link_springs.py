@@ -1,7 +1,5 @@
 """Coupling `springs`: the reference program, limits of the stiffness, impacts, laws, every path."""
 
-from __future__ import annotations
-
 import copy
 from pathlib import Path
 from typing import Any

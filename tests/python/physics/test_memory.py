@@ -1,7 +1,5 @@
 """Wall and frame with springs that yield or break: ledger, methods, mirror image, limits, rules."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -9,6 +7,7 @@ import pytest
 import rwmf
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refused import refusals
 from scenes import coupled
 from scipy.optimize import brentq
 
@@ -278,10 +277,10 @@ _REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "message"), _REFUSED, ids=lambda x: str(x)[:40])
-def test_refused(changes: dict[str, dict[str, object]], message: str) -> None:
-    with pytest.raises(rwmf.InputError, match=message):
-        coupled(**changes)
+test_refused = refusals(
+    lambda changes: coupled(**changes),
+    *_REFUSED,
+)
 
 
 def test_short_link_up_to_the_rotation_that_it_allows() -> None:

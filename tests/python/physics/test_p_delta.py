@@ -9,12 +9,8 @@ k_i d_i - W_i d_i/h_i. The run collapses where an |d_i|/h_i passes the limit.
 another program.
 """
 
-from __future__ import annotations
-
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +21,8 @@ import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from checkout import ROOT
+from checkout import ROOT, Runner
+from refused import refusals
 from scenes import bare_frame, coupled
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh, expm
@@ -463,12 +460,12 @@ def test_keys_apply_only_with_the_effect() -> None:
     assert "t_collapse" not in stands
 
 
-def test_command_line(tmp_path: Path) -> None:
+def test_command_line(command: Runner, tmp_path: Path) -> None:
     """Collapse is a result, not an error: exit status 0; the summary gives the time."""
     file = tmp_path / "case.nml"
     file.write_text(collapsing().to_namelist(), encoding="utf-8")
-    command = [sys.executable, "-m", "rwmf", "run", str(file), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=True)
+    done = command("run", file, "--json")
+    assert done.returncode == 0
     found = json.loads(done.stdout)
     assert found["collapsed"] is True
     assert found["t_collapse_s"] == float(rwmf.simulate(collapsing())["t_collapse"])
@@ -523,18 +520,13 @@ def test_studies_count_a_collapse_as_failure() -> None:
     assert np.isinf(values[1])
 
 
-@pytest.mark.parametrize(
-    ("groups", "words"),
-    [
-        ({"p_delta": {}}, "h_f"),
-        ({"p_delta": {"h_f": 3.0, "drift_limit": 0.0}}, "drift_limit"),
-        ({"p_delta": {"h_f": 3.0, "m_g_over_m_s": -1.0}}, "m_g_over_m_s"),
-        ({"p_delta": {"h_f": -3.0}}, "h_f"),
-    ],
+test_refusals = refusals(
+    lambda groups: rwmf.simulate(bare_frame(**groups)),
+    ({"p_delta": {}}, "h_f"),
+    ({"p_delta": {"h_f": 3.0, "drift_limit": 0.0}}, "drift_limit"),
+    ({"p_delta": {"h_f": 3.0, "m_g_over_m_s": -1.0}}, "m_g_over_m_s"),
+    ({"p_delta": {"h_f": -3.0}}, "h_f"),
 )
-def test_refusals(groups: dict[str, dict[str, object]], words: str) -> None:
-    with pytest.raises(rwmf.InputError, match=words):
-        rwmf.simulate(bare_frame(**groups))
 
 
 def test_storeys_have_their_heights() -> None:

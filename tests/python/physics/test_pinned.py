@@ -4,8 +4,6 @@ The program derives the equation of motion by Lagrange's equations from the ener
 and devices. Derivatives by the rotation are complex steps.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Callable

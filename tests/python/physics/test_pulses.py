@@ -1,7 +1,5 @@
 """Pulses of every kind against the formulas of the literature, written down here once more."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import partial

@@ -4,8 +4,6 @@ A run until complete rest has nothing to relax: its last row is the equilibrium.
 earlier, with overcritical damping, reaches the same state.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Storeys that reverse twice within one step of the integrator."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

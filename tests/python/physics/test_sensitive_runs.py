@@ -4,8 +4,6 @@ Six storeys that lose strength, linked to a wall at every floor, under filtered 
 not needed.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

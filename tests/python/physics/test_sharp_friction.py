@@ -1,7 +1,5 @@
 """Peaks of |H|/N where N is close to zero, against dense samples of the same solution."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A shear key bears the horizontal force on the base, in the place of friction."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

@@ -1,7 +1,5 @@
 """Demands of a wall that vibrates on stiff fuses many times faster than its frame."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -4,8 +4,6 @@ They share nothing with the kernel. `scipy.linalg.eigh` gives the modes, and `so
 events. `test_demands_of_walls.py` has storeys beside rocking walls.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

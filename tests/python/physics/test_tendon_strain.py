@@ -1,7 +1,5 @@
 """Largest strain of the tendon: prestress and elongation over its length, in every law."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Events inside long steps: the same with and without added knots on the lines of the motion."""
 
-from __future__ import annotations
-
 from collections import Counter
 from typing import Any
 

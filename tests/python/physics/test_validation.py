@@ -1,9 +1,6 @@
 """The model against stored histories of engines that know no kinematics and no restitution."""
 
-from __future__ import annotations
-
 import importlib
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -26,8 +23,6 @@ from reproduce.engines import (
     write,
 )
 from reproduce.six_storeys import CASES, FULL, compare_frame, peaks_of, read_peaks
-
-sys.path.append(str(ROOT / "bench"))
 
 EXACT, LINEAR, SYMMETRIC, PUBLISHED = VARIANTS
 RIGID_STORED = [(engine, name) for engine in RIGID for name in VALIDATION]

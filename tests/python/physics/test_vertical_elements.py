@@ -3,8 +3,6 @@
 The independent program is `support/held_walls.py`; docs/theory/elements.md has the equations.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
@@ -13,8 +11,6 @@ import pytest
 import rwmf
 from held_walls import Element, G, Walls
 
-SIZE = {"h": 4.0, "b": 1.0}
-FRAME = {"T_s": 0.6, "gamma": 3.0, "xi_s": 0.05}
 PULSE = {"kind": "one_sine", "a_max_g": 0.55, "T_p": 0.8}
 
 

@@ -4,8 +4,6 @@ The plastic displacements are states here, which flow while a storey yields; the
 closed form on each branch. Nothing but masses, stiffnesses and geometry is shared.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

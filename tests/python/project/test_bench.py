@@ -1,27 +1,18 @@
 """bench/spectra.py runs on a small problem, and SciPy solves the same problem."""
 
-from __future__ import annotations
-
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
+import peers
 import pytest
 import rwmf
-from checkout import ROOT
-
-sys.path.append(str(ROOT / "bench"))
-
-import peers
+from checkout import ROOT, run_words
 
 
 def test_methods_of_the_kernel_are_compared(elcentro: Path) -> None:
     words = ["--periods=3", "--peers=none", "--quad=0", "--rounds=1", "--record", str(elcentro)]
-    done = subprocess.run(
-        [sys.executable, ROOT / "bench" / "spectra.py", *words],
-        capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
+    done = run_words([sys.executable, ROOT / "bench" / "spectra.py", *words], ROOT)
     assert done.returncode == 0, done.stderr
     lines = [line.strip("| ").split(" | ") for line in done.stdout.splitlines() if "|" in line]
     rows = lines[2:]

@@ -1,15 +1,8 @@
 """No standard call takes more than 3 % above its recorded instructions (developer/bench.md)."""
 
-from __future__ import annotations
-
 import shutil
-import sys
 
 import pytest
-from checkout import ROOT
-
-sys.path.append(str(ROOT / "tools"))
-
 from instruction_counts.__main__ import REFERENCE
 from instruction_counts.calls import NAMES
 from instruction_counts.ledger import Ledger

@@ -1,14 +1,10 @@
 """With RWMF_MUST_RUN, a skip is a failure with test and reason."""
 
-from __future__ import annotations
-
-import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from checkout import SUPPORT
+from checkout import SUPPORT, run_words
 from may_skip import MAY_SKIP
 
 TESTS = {
@@ -28,14 +24,8 @@ def test_a_skip_is_a_failure(must_run: str, tmp_path: Path) -> None:
     for name, text in TESTS.items():
         (tmp_path / name).write_text(f"import pytest\n{text}\n", encoding="ascii")
     words = [sys.executable, "-m", "pytest", "-p", "may_skip", "--continue-on-collection-errors"]
-    done = subprocess.run(
-        [*words, "."],
-        cwd=tmp_path,
-        env=os.environ | {"RWMF_MUST_RUN": must_run, "PYTHONPATH": str(SUPPORT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    place = {"RWMF_MUST_RUN": must_run, "PYTHONPATH": str(SUPPORT)}
+    done = run_words([*words, "."], tmp_path, **place)
     assert (done.returncode == 0) == (must_run == "0"), done.stdout
     assert all(part in done.stdout for part in EXPECTED[must_run]), done.stdout
 

@@ -1,10 +1,7 @@
 """The version is defined once, and other descriptions of the package agree."""
 
-from __future__ import annotations
-
 import hashlib
 import re
-import subprocess
 import sys
 import tomllib
 from importlib import metadata
@@ -12,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import rwmf
-from checkout import ROOT
+from checkout import ROOT, run_words
 
 
 def _text(name: str) -> str:
@@ -117,28 +114,13 @@ def test_files_of_uplot_are_the_pinned_ones() -> None:
             assert f"(v{release})" in content.decode()[:400]
 
 
-def _interface(folder: Path, header: str) -> subprocess.CompletedProcess[str]:
-    (folder / "host.h").write_text(header, encoding="utf-8")
-    return subprocess.run(
-        [
-            sys.executable,
-            ROOT / "tools/make-bindings.py",
-            "client",
-            folder / "host.h",
-            ROOT / "src/bindings/c/functions.table",
-            folder / "host.f90",
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
 def test_every_function_of_the_header_has_a_fortran_interface(tmp_path: Path) -> None:
     """The foreign project `other-compiler` of tests/export compiles and uses it."""
     header = _text("include/rwmf.h")
     names = set(re.findall(r"\b(rwmf_\w+)\(", re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)))
-    done = _interface(tmp_path, header)
+    (tmp_path / "host.h").write_text(header, encoding="utf-8")
+    words = [sys.executable, ROOT / "tools/make-bindings.py", "client", "host.h"]
+    done = run_words([*words, ROOT / "src/bindings/c/functions.table", "host.f90"], tmp_path)
     assert done.returncode == 0, done.stderr
     made = (tmp_path / "host.f90").read_text(encoding="utf-8")
     assert set(re.findall(r"(?:function|subroutine) (rwmf_\w+)\(.*", made)) == names
@@ -149,7 +131,7 @@ def test_pip_knows_the_optional_packages_in_a_checkout(tmp_path: Path) -> None:
     """`pip install 'rwmf[suites]'` finds the package installed, and adds that purpose."""
     tool = [sys.executable, ROOT / "tools/checkout-metadata.py", tmp_path]
     for _ in range(2):  # the second call replaces the metadata
-        subprocess.run(tool, check=True)
+        assert run_words(tool, ROOT).returncode == 0
     (found,) = metadata.distributions(path=[str(tmp_path)])
     assert (found.name, found.version) == ("rwmf", VERSION)
     optional = PYPROJECT["project"]["optional-dependencies"]
@@ -170,8 +152,6 @@ def test_the_kernel_needs_no_newer_c_library_than_the_wheels_say(name: str) -> N
     minor = int(_found(r"^platform=\"manylinux_2_(\d+)_", "tools/wheel"))
     assert f"glibc 2.{minor} or newer" in _text("README.md")
     (program,) = (ROOT / "build/src").glob(name)
-    listed = subprocess.run(
-        ["objdump", "--dynamic-syms", program], capture_output=True, text=True, check=True
-    )
+    listed = run_words(["objdump", "--dynamic-syms", program], ROOT)
     needed = [int(found) for found in re.findall(r"\(GLIBC_2\.(\d+)", listed.stdout)]
     assert 0 < max(needed) <= minor

@@ -1,7 +1,5 @@
 """The development environment: every package pinned, every file of it known by its hash."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import re
 import tomllib

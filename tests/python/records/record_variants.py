@@ -1,15 +1,11 @@
 """Record files with every kind of header, with statements of unit, interval and quantity."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from checkout import ROOT
-
-__all__ = ["DT", "SAMPLES", "N", "Variant", "variants"]
 
 N = 40
 DT = 0.01

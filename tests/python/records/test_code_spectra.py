@@ -1,11 +1,9 @@
 """Target spectra of codes: points by hand, continuity at the corners, use in a selection."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf
-from rwmf.errors import InputError
+from refused import refusals
 from rwmf.records import asce7, eurocode8
 
 
@@ -54,16 +52,11 @@ def test_a_selection_takes_them() -> None:
     np.testing.assert_allclose(found.target[0], 0.75, rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: asce7(1.0, 10.0), "T_L = 8: must be at least T_S = S_D1/S_DS = 10 s"),
-        (lambda: asce7(0.0, 0.6), "S_DS = 0"),
-        (lambda: eurocode8(0.2, "S1"), "ground_type = 'S1': must be one of A, B, C, D, E"),
-        (lambda: eurocode8(0.2, spectrum_type=3), "spectrum_type = 3"),
-        (lambda: eurocode8(-0.2), "a_g = -0.2"),
-    ],
+test_numbers_outside_their_range = refusals(
+    lambda call: call(),
+    (lambda: asce7(1.0, 10.0), "T_L = 8: must be at least T_S = S_D1/S_DS = 10 s"),
+    (lambda: asce7(0.0, 0.6), "S_DS = 0"),
+    (lambda: eurocode8(0.2, "S1"), "ground_type = 'S1': must be one of A, B, C, D, E"),
+    (lambda: eurocode8(0.2, spectrum_type=3), "spectrum_type = 3"),
+    (lambda: eurocode8(-0.2), "a_g = -0.2"),
 )
-def test_numbers_outside_their_range(call: object, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        call()  # type: ignore[operator]

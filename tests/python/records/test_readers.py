@@ -6,8 +6,6 @@ of 28 July 2019, COSMOS AK.BMR of 30 November 2018, CGS 89146 of 13 February 201
 51BXD of 20 April 2013 from the example of CSMNC2SAC.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 from pathlib import Path

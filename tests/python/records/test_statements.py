@@ -1,7 +1,5 @@
 """Unit, interval and quantity that files state, in about 800 variants of headers and encodings."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 

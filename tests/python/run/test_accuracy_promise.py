@@ -3,8 +3,6 @@
 The full count (240 cases) runs by `bench/accuracy_promise.py`, which also measures the cost.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The multistep method of single runs: its many short steps must not add up to a large error."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

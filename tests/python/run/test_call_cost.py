@@ -1,11 +1,7 @@
 """Labels are those of xarray itself; threads, processes and forks may call at will."""
 
-from __future__ import annotations
-
 import multiprocessing
 import pickle
-import subprocess
-import sys
 import threading
 import time
 import warnings
@@ -15,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-import scenes
 import xarray as xr
+from checkout import run_python
 from rwmf.run import response as _labels
 from scenes import bare_frame, coupled
 
@@ -86,11 +82,11 @@ def test_processes(way: str) -> None:
         assert all(found == expected for found in executor.map(_bits, range(4)))
 
 
-def test_a_forked_child_computes() -> None:
+@pytest.mark.parametrize("threads", [1, 2, 0])
+def test_a_forked_child_computes(threads: int, tmp_path: Path) -> None:
     """Its parent has used threads of the kernel, which stay behind."""
     script = (
         "import os, sys, rwmf, numpy as np, threading\n"
-        "sys.path.insert(0, sys.argv[1])\n"
         "from scenes import coupled\n"
         "case = coupled()\n"
         "grid = np.linspace(0.3, 2.0, 64)\n"
@@ -98,20 +94,15 @@ def test_a_forked_child_computes() -> None:
         "rwmf.simulate(case)\n"
         "child = os.fork()\n"
         "if child == 0:\n"
-        "    one = rwmf.spectrum(case, T_s=grid, threads=int(sys.argv[2]))\n"
+        f"    one = rwmf.spectrum(case, T_s=grid, threads={threads})\n"
         "    rwmf.simulate(case.replace(frame={'T_s': 0.7}))\n"
         "    os._exit(0 if one.u_s_max.values.tobytes() == expected else 1)\n"
         "_, status = os.waitpid(child, 0)\n"
         "again = rwmf.spectrum(case, T_s=grid, threads=2).u_s_max.values.tobytes()\n"
         "sys.exit(os.waitstatus_to_exitcode(status) or (again != expected))\n"
     )
-    support = str(Path(scenes.__file__).parent)
-    for threads in ("1", "2", "0"):
-        done = subprocess.run(
-            [sys.executable, "-c", script, support, threads],
-            capture_output=True, text=True, timeout=60, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, (threads, done.stderr)
+    done = run_python(script, tmp_path)
+    assert done.returncode == 0, done.stderr
 
 
 def test_idle_threads_end() -> None:

@@ -1,16 +1,13 @@
 """Sensitivities of the peaks to the motion: closed forms, defaults, sweeps, printed digits."""
 
-from __future__ import annotations
-
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
 from bending_scenes import bending_scene
+from checkout import Runner
 from rwmf.kernel import tables
 
 RECORD = rwmf.Motion(
@@ -223,16 +220,12 @@ def test_digits_that_hold(rtol: float, sensitivity: float, digits: int) -> None:
     assert tables.digits_of(rtol, sensitivity) == digits
 
 
-def test_the_terminal_prints_the_digits_that_hold(tmp_path: Path) -> None:
+def test_the_terminal_prints_the_digits_that_hold(command: Runner, tmp_path: Path) -> None:
     path = tmp_path / "block.nml"
     rwmf.Case(**BLOCK).to_namelist(path)
-
-    def output(*more: str) -> str:
-        command = [sys.executable, "-m", "rwmf", "run", str(path), *more]
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-    full = json.loads(output("--json"))
-    lines = {line.split()[0]: line.split() for line in output("--all").splitlines()}
+    full = json.loads(command("run", path, "--json").stdout)
+    shown = command("run", path, "--all").stdout
+    lines = {line.split()[0]: line.split() for line in shown.splitlines()}
     assert not [key for key in lines if key.startswith("sensitivity_")]
     key = "theta_max_over_alpha"
     digits = tables.digits_of(1e-9, full[f"sensitivity_{key}"])

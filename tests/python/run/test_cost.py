@@ -1,7 +1,5 @@
 """Cost of accuracy: reference, rows, procedures of practice, recommendation, command."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import json
@@ -133,7 +131,6 @@ def test_repeats_that_disagree_are_reported(
 
 
 def test_work_is_drawn_over_time_and_over_evaluations(found: Cost) -> None:
-    pytest.importorskip("matplotlib")
     for over in ("seconds", "rhs_evaluations"):
         drawn = rwmf.plot.work_precision(found, over=over).lines[0].get_xdata()
         rows = [row for row in found.rows if row.method == METHODS[0]]

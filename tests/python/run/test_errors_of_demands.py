@@ -3,8 +3,6 @@
 RWMF_DEMANDS=300 goes through the first 300 numbers of both families.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from pathlib import Path

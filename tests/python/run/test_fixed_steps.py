@@ -1,7 +1,5 @@
 """Fixed steps of common practice converge to the kernel's result, each method with its order."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

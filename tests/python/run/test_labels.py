@@ -1,7 +1,5 @@
 """Labels of results: single ones and ranges are found by the decimals that a user writes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,14 +1,12 @@
 """The logger "rwmf": silent by default, start and end of public functions, warnings."""
 
-from __future__ import annotations
-
 import logging
-import subprocess
-import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
+from checkout import run_python
 from scenes import coupled
 
 MOTION = rwmf.Motion(0.3 * np.sin(np.arange(200) * 0.1), dt=0.02, unit="g", name="one")
@@ -50,9 +48,6 @@ def test_time_loops_of_hosts_stay_below_info(caplog: pytest.LogCaptureFixture) -
     assert not [text for level, text in found if level == "INFO" and text.startswith("Wall")]
 
 
-def test_nothing_is_printed_without_a_handler() -> None:
-    code = "from rwmf.errors import LOG; LOG.error('shown')"
-    found = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
-    )
-    assert (found.stdout, found.stderr) == ("", "")
+def test_nothing_is_printed_without_a_handler(tmp_path: Path) -> None:
+    found = run_python("from rwmf.errors import LOG; LOG.error('shown')", tmp_path)
+    assert (found.returncode, found.stdout, found.stderr) == (0, "", "")

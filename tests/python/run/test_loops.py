@@ -1,7 +1,5 @@
 """Force-displacement loops: their areas equal the spring energies of the ledger."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -93,7 +91,6 @@ def test_storeys_have_loops(has_masses: bool) -> None:
         assert (loop.newtons is not None) == has_masses
         if loop.newtons is not None:
             assert loop.newtons == pytest.approx(run[f"storey_{i}_shear"].values)
-    pytest.importorskip("matplotlib")
     panels = loops.draw(run, case)
     assert panels[0].get_title() == "Storeys"
     assert len(panels[0].get_legend().get_texts()) == n

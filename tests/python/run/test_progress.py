@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections.abc import Callable
@@ -98,17 +99,6 @@ def test_an_interrupted_bar_says_how_far_it_came(cell: _Cell) -> None:
     assert cell.seen[-1].startswith("2 of 5 runs after ")
 
 
-def test_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("tqdm")
-    reader, terminal = os.openpty()
-    with os.fdopen(terminal, "w") as stream, monkeypatch.context() as patch:
-        patch.setattr(sys, "stderr", stream)
-        rwmf.spectrum(coupled(), T_s=T_S, progress=True)
-    shown = os.read(reader, 65536).decode()
-    os.close(reader)
-    assert "3/3 [" in shown or "0/3 [" in shown
-
-
 def test_a_redirected_output_shows_none(capfd: pytest.CaptureFixture[str]) -> None:
     rwmf.spectrum(coupled(), T_s=T_S, progress=True)
     assert capfd.readouterr() == ("", "")
@@ -124,6 +114,7 @@ _QUAKES = [
     for w in (0.1, 0.2, 0.3)
 ]
 SEARCHES: dict[str, Callable[..., object]] = {
+    "ordinate": lambda **further: rwmf.spectrum(coupled(), T_s=T_S, **further),
     "run": lambda **further: rwmf.gradient(coupled(), ["T_s"], ["u_s_max"], **further),
     "design": lambda **further: rwmf.design(
         coupled(),
@@ -145,7 +136,8 @@ def test_searches_report_what_they_have_done(unit: str, cell: _Cell) -> None:
     reports: list[tuple[int, int]] = []
     SEARCHES[unit](progress=lambda done, total: reports.append((done, total)))
     assert reports == sorted(reports)
-    assert len({done for done, _ in reports}) > 1
+    # the kernel reports no ordinate of a call that is this short but the last
+    assert unit == "ordinate" or len({done for done, _ in reports}) > 1
     assert reports[-1][0] == reports[-1][1]
     SEARCHES[unit](progress=True)
     assert cell.seen[-1].startswith(f"{reports[-1][0]} of {reports[-1][1]} {unit}s after ")
@@ -153,7 +145,7 @@ def test_searches_report_what_they_have_done(unit: str, cell: _Cell) -> None:
 
 # words of each command that loops over runs, behind its case
 _LOOPS = {
-    "spectrum": "--threads 1",
+    "spectrum": "--threads 1 --json",
     "gradient": "--parameters T_s --quantities u_s_max",
     "design": "--vary xi_s=0.02:0.2 --target u_s_max=0.2@100 --cost xi_s=1 --designs 16",
     "stripes": "--records quake.csv --unit g,0.02 --levels 0.1,0.2 --quantities u_s_max",
@@ -167,9 +159,9 @@ _LOOPS = {
 
 @pytest.mark.parametrize("command", _LOOPS)
 def test_every_command_that_loops_has_a_bar(
-    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip("tqdm")
+    """On a terminal; JSON on the standard output stays clean."""
     monkeypatch.chdir(tmp_path)
     case = coupled(solver={"t_end": 2.0}, spectrum={"T_s": T_S})
     case.to_namelist("case.nml")
@@ -184,3 +176,6 @@ def test_every_command_that_loops_has_a_bar(
     os.close(reader)
     assert status == 0
     assert "/s]" in shown or "it/s" in shown or "[00:00<" in shown
+    if command == "spectrum":
+        assert "/3 [" in shown
+        assert len(json.loads(capfd.readouterr().out)["T_s_s"]) == 3

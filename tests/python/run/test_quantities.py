@@ -1,13 +1,11 @@
 """The table of quantities names all reported quantities, and no others: scenes of every kind."""
 
-from __future__ import annotations
-
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import pairs
 import pytest
 import rwmf
 from checkout import ROOT
@@ -17,10 +15,6 @@ from rwmf.cli.many_cases import _spectrum_object
 from rwmf.run import quantities, simulation
 from rwmf.run.quantities import ORDINATES as SWEPT
 from rwmf.run.quantities import QUANTITIES
-
-sys.path.append(str(ROOT / "bench"))
-
-import pairs
 
 _KINDS = {"real": float, "int": int, "logical": bool, "text": str, "list": list}
 # quantities that no effect reports by itself

@@ -1,7 +1,5 @@
 """A quantity is the same by itself and among all, in every path, for every row of the table."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,19 +1,15 @@
 """A response has storeys and floors as dimensions, a headline, and every flat name."""
 
-from __future__ import annotations
-
 import copy
 import json
 import pickle
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from checkout import ROOT
+from checkout import ROOT, run_python
 from rwmf.cli import main
 from rwmf.run import simulation
 from rwmf.run.quantities import QUANTITIES, find, find_numbered
@@ -132,8 +128,6 @@ def test_a_changed_response_stays_one() -> None:
 
 def test_a_response_from_a_file_is_drawn(tmp_path: Path) -> None:
     """A plain dataset of xarray has no flat names; figures need none."""
-    pytest.importorskip("matplotlib")
-    pytest.importorskip("h5netcdf")
     case = _storeys("full")
     run = rwmf.simulate(case)
     run.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
@@ -257,7 +251,7 @@ def test_groups_and_all_keys(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         assert item.found == "time" or {item.name, item.name.removesuffix("_over_m_w_g")} & shown
 
 
-def test_results_load_neither_scipy_nor_matplotlib() -> None:
+def test_results_load_neither_scipy_nor_matplotlib(tmp_path: Path) -> None:
     """`import rwmf` loads no xarray; a response and a spectrum load nothing further."""
     code = (
         "import sys, rwmf\n"
@@ -270,9 +264,7 @@ def test_results_load_neither_scipy_nor_matplotlib() -> None:
         "assert float(run['u_s_max']) > 0 and run.headline()\n"
         "assert not slow & {*sys.modules}, slow & {*sys.modules}\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
-    )
+    done = run_python(code, tmp_path)
     assert done.returncode == 0, done.stderr
 
 

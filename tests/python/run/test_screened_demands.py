@@ -1,7 +1,5 @@
 """Maxima that lanes find in the steps that may raise them, beside a search of every step."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A frame with a period in `&spectrum` only cannot be run singly, by any interface."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,8 +1,5 @@
 """Extreme numbers of `&solver` and of the frame: a right result or an error, no wrong `ok`."""
 
-from __future__ import annotations
-
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +9,7 @@ import rwmf
 import xarray as xr
 from c_host import run as run_in_c
 from c_host import stepping
+from checkout import Runner
 from oscillator import exact_peak
 from rwmf.errors import InputError, NumericalError
 from scenes import bare_frame, coupled, merged
@@ -95,7 +93,7 @@ def test_max_steps_is_honoured() -> None:
 
 @pytest.mark.parametrize("key", ["rtol", "accuracy"])
 def test_a_tolerance_below_round_off_is_refused_everywhere(
-    key: str, tmp_path: Path, batch_program: Path
+    key: str, tmp_path: Path, batch: Runner
 ) -> None:
     """Test namelist, Python, tables, batch program and C; another test has the Fortran facade."""
     low = {"rtol": "9e-15", "accuracy": "1.9e-14"}[key]
@@ -115,7 +113,7 @@ def test_a_tolerance_below_round_off_is_refused_everywhere(
     for way in ways:
         with pytest.raises(InputError, match=f"{key}.*must be a number in .{least}, 0.1"):
             way()
-    done = subprocess.run([batch_program, path], capture_output=True, text=True, cwd=tmp_path)
+    done = batch(path)
     assert done.returncode == 2
     assert least in done.stderr
 

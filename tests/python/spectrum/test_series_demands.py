@@ -1,7 +1,5 @@
 """Reactions, accelerations and drifts of lanes that advance by series, beside another method."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

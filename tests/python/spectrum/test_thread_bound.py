@@ -1,13 +1,10 @@
 """More threads than anybody can mean are refused: by every way to a spectrum, with the number."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
 import rwmf
 from checkout import Runner
-from rwmf import cli
 from rwmf.kernel import results
 
 SCENE = "&frame xi_s = 0.05 /\n&solver t_end = 1.0 /\n&spectrum T_s = 1.0, 2.0 /\n"
@@ -33,14 +30,6 @@ def test_many_threads_change_nothing() -> None:
     many = rwmf.spectrum(case, threads=200)
     assert many.attrs["threads"] == 200
     assert one.identical(many.assign_attrs(one.attrs))
-
-
-@pytest.mark.parametrize("number", TOO_MANY)
-def test_the_command(number: str, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["spectrum", str(file), "--threads", number]) == 2
-    err = capsys.readouterr().err
-    assert "threads" in err
-    assert f"{number}: must be" in err
 
 
 @pytest.mark.parametrize("number", TOO_MANY)

@@ -1,7 +1,6 @@
 """The effect of a wall in several responses, the one quantity of other studies, and prestress."""
 
-from __future__ import annotations
-
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import rwmf
@@ -63,8 +62,6 @@ def test_other_responses() -> None:
 def test_the_command_gives_all_and_no_verdict(
     tmp_path: object, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip("h5netcdf")
-    plt = pytest.importorskip("matplotlib.pyplot")
     monkeypatch.chdir(str(tmp_path))
     _storeys().to_namelist("case.nml")
     words = ["study", "wall", "case.nml", "--T_s", "0.3,0.5", "--out", "w.nc", "--out", "w.svg"]

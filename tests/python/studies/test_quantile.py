@@ -1,7 +1,5 @@
 """Quantiles over a suite count runs that overturned or collapsed as infinite."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import rwmf

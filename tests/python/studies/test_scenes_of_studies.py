@@ -1,15 +1,12 @@
 """Studies of storeys and of blocks: each computes runs, or is refused with a reason."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
-import xarray as xr
-from rwmf import cli, studies
+from rwmf import studies
 from rwmf.errors import InputError
 from rwmf.motion.record_sets import RecordFile, find_records
 from scenes import bare_frame, block, coupled
@@ -148,27 +145,3 @@ def test_what_makes_no_sense_says_why(suite: tuple[RecordFile, ...]) -> None:
         studies.equal_response(case, [1.0], 0.1, quantities="u_s_max")
     with pytest.raises(InputError, match=r"the case needs &frame T_s, or .*; or take 'peak_acc"):
         rwmf.sweep(case, {"scale": [1.0]}, suite, intensity="pseudo_acceleration")
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["equal-response", "--T_p", "0.8,1", "--target", "0.2"],
-        ["overturning", "--omega", "3,5", "--amplitude", "1:9:5"],
-    ],
-    ids=lambda words: words[0],
-)
-@pytest.mark.parametrize("scene", ["block", "full"])
-def test_commands(
-    scene: str, words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Every study draws and writes; rule 'coupled' leaves e to the momentum."""
-    pytest.importorskip("h5py")
-    monkeypatch.chdir(tmp_path)
-    case = _block() if scene == "block" else _storeys(scene)
-    case.replace(impact={"rule": "coupled", "e": None}).to_namelist("case.nml")
-    place = ["--out", "x.png", "--out", "x.nc"]
-    assert cli.main(["study", words[0], "case.nml", *words[1:], *place]) == 0
-    assert Path("x.png").stat().st_size > 5000
-    with xr.open_dataset("x.nc", engine="h5netcdf") as found:
-        assert len(found.variables) > 1

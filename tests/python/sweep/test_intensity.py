@@ -1,7 +1,5 @@
 """Period and damping of an intensity: one factor for each record, whatever the design."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any
@@ -10,6 +8,7 @@ import numpy as np
 import pytest
 import rwmf
 import xarray as xr
+from refused import refusals
 from rwmf import cli
 from rwmf.errors import InputError
 from scenes import coupled
@@ -103,28 +102,20 @@ def test_they_are_required_where_structures_vary(grid: dict[str, list[float]]) -
     rwmf.sweep(case, {"scale": [0.3], "e": [0.8, 0.9], "T_s": [1.0]}, _records(), **options)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"period": 1.0}, "has period only"),
-        ({"damping": 0.05}, "has damping only"),
-        ({"period": -1.0, "damping": 0.05}, "period = -1.0: must be"),
-        ({"period": 1.0, "damping": -0.1}, "damping = -0.1: must be"),
-        ({"intensity": "peak_acceleration", "period": 1.0}, "period: must not be given"),
-        ({"intensity": "pseudo_aceleration"}, "did you mean pseudo_acceleration"),
-    ],
+test_what_does_not_belong_together = refusals(
+    lambda options: _analysis(_designs()["wall"], **options),
+    ({"period": 1.0}, "has period only"),
+    ({"damping": 0.05}, "has damping only"),
+    ({"period": -1.0, "damping": 0.05}, "period = -1.0: must be"),
+    ({"period": 1.0, "damping": -0.1}, "damping = -0.1: must be"),
+    ({"intensity": "peak_acceleration", "period": 1.0}, "period: must not be given"),
+    ({"intensity": "pseudo_aceleration"}, "did you mean pseudo_acceleration"),
 )
-def test_what_does_not_belong_together(options: dict[str, Any], message: str) -> None:
-    case = _designs()["wall"]
-    with pytest.raises(InputError, match=message):
-        _analysis(case, **options)
 
 
 def test_files_and_commands_take_and_state_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("h5netcdf")
-    pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     _designs()["wall"].to_namelist("case.nml")
     for motion in _records():

@@ -1,17 +1,17 @@
 """Points: a table whose rows are runs with their own numbers, texts and ground motion."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 import pytest
 import rwmf
 import xarray as xr
 from dimensional import SCENES, groups_of, in_units
+from refused import refusals, refused_files
 from rwmf.errors import InputError
 from rwmf.kernel import tables
 from rwmf.motion.record_sets import find_records
@@ -185,7 +185,7 @@ def test_blocks_alone() -> None:
 
 
 def _as_frame(points: dict[str, object]) -> object:
-    return pytest.importorskip("pandas").DataFrame(points, index=range(100, 100 + N))
+    return pd.DataFrame(points, index=range(100, 100 + N))
 
 
 def _as_structured(points: dict[str, object]) -> object:
@@ -217,7 +217,6 @@ def _write_csv(path: Path, points: dict[str, object]) -> None:
 
 
 def test_files_of_a_table(elcentro: Path, tmp_path: Path) -> None:
-    pytest.importorskip("h5netcdf")
     case = coupled(solver=QUICK)
     points: dict[str, object] = dict(_design())
     points["record"] = [elcentro.name] * N
@@ -250,39 +249,33 @@ def test_rows_that_the_rules_refuse() -> None:
     assert np.isnan(refused["u_s_max"].values).tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize(
-    ("points", "message"),
-    [
-        ({"e": [0.9, 1.2]}, "points, row 1: .*e = 1.2"),
-        ({"e": [0.9, np.nan]}, "points, row 1: impact.e = nan: must be a finite number"),
-        ({"e": [0.9, "x"]}, "points, row 1: impact.e = 'x': must be a finite number"),
-        ({"n_pulses": [1, 2.5]}, "row 1: motion.n_pulses = 2.5: must be a whole number"),
-        ({"verify": [True, 2]}, "row 1: solver.verify = 2: must be true or false"),
-        ({"formulation": ["exact", 1]}, "row 1: model.formulation = 1: must be a text"),
-        ({"formulation": ["exact", "new"]}, "row 1: .*formulation"),
-        ({"dance": [1]}, "points: dance: no key"),
-        ({"e": [0.9], "impact.e": [0.8]}, "both set impact.e"),
-        ({"e": [0.9, 0.8], "T_s": [1.0]}, "row 1: T_s: no value: the column ends after 1 rows"),
-        ({"e": [[0.9], [0.8, 0.7]]}, "points, row 0: e = .0.9.: must be one value"),
-        ({"e": [0.9, [0.8, 0.7]]}, "points, row 1: e = .0.8, 0.7.: must be one value"),
-        ({"e": [0.9, np.ones(3)]}, "points, row 1: e = array.*: must be one value"),
-        ({"record": ["a", ["b", "c"]]}, "points, row 1: record = ..b', 'c'.: must be one value"),
-        ({"record": [["a"], ["b", "c"]]}, "points, row 0: record = ..a..: must be one value"),
-        ({"e": []}, "points: has no row"),
-        ({}, "points: has no row"),
-        ({"eta": [[1, 5]]}, "points, row 0: eta = .1, 5.: must be one value"),
-        ({"eta": [1.0]}, "give the columns cable.eta_0 and cable.eta_alpha"),
-        ({"table_e": [1.0]}, "table_e = 1.0: must not be given with rule"),
-        ({"record": ["moon"]}, "points, row 0: record = moon: is neither a file"),
-        ({"record": [3]}, "points, row 0: record = 3: must be a record, its name or path"),
-        ([1, 2], "points: list: must be a mapping"),
-        ("nowhere.csv", "nowhere.csv: the file does not exist"),
-    ],
-    ids=str,
+test_points_that_are_refused = refusals(
+    lambda points: rwmf.sweep(coupled(), points=points),
+    ({"e": [0.9, 1.2]}, "points, row 1: .*e = 1.2"),
+    ({"e": [0.9, np.nan]}, "points, row 1: impact.e = nan: must be a finite number"),
+    ({"e": [0.9, "x"]}, "points, row 1: impact.e = 'x': must be a finite number"),
+    ({"n_pulses": [1, 2.5]}, "row 1: motion.n_pulses = 2.5: must be a whole number"),
+    ({"verify": [True, 2]}, "row 1: solver.verify = 2: must be true or false"),
+    ({"formulation": ["exact", 1]}, "row 1: model.formulation = 1: must be a text"),
+    ({"formulation": ["exact", "new"]}, "row 1: .*formulation"),
+    ({"dance": [1]}, "points: dance: no key"),
+    ({"e": [0.9], "impact.e": [0.8]}, "both set impact.e"),
+    ({"e": [0.9, 0.8], "T_s": [1.0]}, "row 1: T_s: no value: the column ends after 1 rows"),
+    ({"e": [[0.9], [0.8, 0.7]]}, "points, row 0: e = .0.9.: must be one value"),
+    ({"e": [0.9, [0.8, 0.7]]}, "points, row 1: e = .0.8, 0.7.: must be one value"),
+    ({"e": [0.9, np.ones(3)]}, "points, row 1: e = array.*: must be one value"),
+    ({"record": ["a", ["b", "c"]]}, "points, row 1: record = ..b', 'c'.: must be one value"),
+    ({"record": [["a"], ["b", "c"]]}, "points, row 0: record = ..a..: must be one value"),
+    ({"e": []}, "points: has no row"),
+    ({}, "points: has no row"),
+    ({"eta": [[1, 5]]}, "points, row 0: eta = .1, 5.: must be one value"),
+    ({"eta": [1.0]}, "give the columns cable.eta_0 and cable.eta_alpha"),
+    ({"table_e": [1.0]}, "table_e = 1.0: must not be given with rule"),
+    ({"record": ["moon"]}, "points, row 0: record = moon: is neither a file"),
+    ({"record": [3]}, "points, row 0: record = 3: must be a record, its name or path"),
+    ([1, 2], "points: list: must be a mapping"),
+    ("nowhere.csv", "nowhere.csv: the file does not exist"),
 )
-def test_points_that_are_refused(points: object, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        rwmf.sweep(coupled(), points=points)
 
 
 def test_other_refusals(elcentro: Path) -> None:
@@ -297,27 +290,21 @@ def test_other_refusals(elcentro: Path) -> None:
         rwmf.sweep(coupled(), points=many)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "has no line with the names"),
-        ("e\n", "has no row below"),
-        ("e,e\n1,1\n", "line 1: the column e is given twice"),
-        ("e,T_s\n1\n", "line 2: T_s: no value: 1 values for 2 columns"),
-        ("e,T_s\n.9,1\n.9,1,7\n", "line 3: '7': a value without a column: 3 values for 2"),
-        ("# c\n\ne,T_s\n.9,1\n.8,x\n", "line 5: T_s = x: must be a finite number"),
-        ("e\n.9\ninf\n", "line 3: impact.e = inf: must be a finite number"),
-        ("e\n.9\n1.5\n", "line 3: .*e = 1.5"),
-        ("e,formulation\n.9,exact\n.8,other\n", "line 3: .*formulation = 'other'"),
-        ("verify\ntrue\nmaybe\n", "line 3: solver.verify = 'maybe': must be true or false"),
-        ("love\n1\n", "p.csv: love: no key"),
-    ],
+test_files_that_are_refused = refused_files(
+    "p.csv",
+    lambda path: rwmf.sweep(coupled(), points=path),
+    ("", "has no line with the names"),
+    ("e\n", "has no row below"),
+    ("e,e\n1,1\n", "line 1: the column e is given twice"),
+    ("e,T_s\n1\n", "line 2: T_s: no value: 1 values for 2 columns"),
+    ("e,T_s\n.9,1\n.9,1,7\n", "line 3: '7': a value without a column: 3 values for 2"),
+    ("# c\n\ne,T_s\n.9,1\n.8,x\n", "line 5: T_s = x: must be a finite number"),
+    ("e\n.9\ninf\n", "line 3: impact.e = inf: must be a finite number"),
+    ("e\n.9\n1.5\n", "line 3: .*e = 1.5"),
+    ("e,formulation\n.9,exact\n.8,other\n", "line 3: .*formulation = 'other'"),
+    ("verify\ntrue\nmaybe\n", "line 3: solver.verify = 'maybe': must be true or false"),
+    ("love\n1\n", "love: no key"),
 )
-def test_files_that_are_refused(text: str, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "p.csv"
-    path.write_text(text, encoding="ascii")
-    with pytest.raises(InputError, match=f"{path.name}.*{message.removeprefix('p.csv')}"):
-        rwmf.sweep(coupled(), points=path)
 
 
 def _keys_of_a_scene() -> list[str]:

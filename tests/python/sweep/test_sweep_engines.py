@@ -1,11 +1,8 @@
 """Sweeps on other engines: processes, Dask with a worker that dies, MPI; parts of the batch."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -15,7 +12,7 @@ import numpy as np
 import pytest
 import rwmf
 import xarray as xr
-from checkout import Runner
+from checkout import Runner, run_words
 from rwmf import cli
 from rwmf.errors import InputError
 from rwmf.sweeps.executors import open_executor
@@ -47,10 +44,7 @@ def test_an_executor_without_workers_says_what_to_do(end: str, tmp_path: Path) -
         "rwmf.sweep('case.nml', {'e': [0.8, 0.9]}, executor=engine)\n",
         encoding="utf-8",
     )
-    done = subprocess.run(
-        [sys.executable, "script.py"],
-        cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+    done = run_words([sys.executable, "script.py"], tmp_path)
     assert done.returncode == 1
     last = done.stderr.splitlines()[-1]
     assert last.startswith("rwmf.errors.InputError: executor: has no workers")
@@ -94,7 +88,6 @@ def test_dask_with_a_worker_that_is_killed(tmp_path: Path) -> None:
 
 def test_mpi_with_two_ranks(tmp_path: Path) -> None:
     pytest.importorskip("mpi4py")
-    pytest.importorskip("h5py")
     if shutil.which("mpiexec") is None:
         pytest.skip("no MPI on this machine")
     coupled(solver=CASE_SOLVER).to_namelist(tmp_path / "case.nml")
@@ -102,14 +95,10 @@ def test_mpi_with_two_ranks(tmp_path: Path) -> None:
     (tmp_path / "sweep.nml").write_text(text, encoding="ascii")
     ranks = ["mpiexec", "--allow-run-as-root", "--oversubscribe", "-n", "2"]
     command = [sys.executable, "-m", "mpi4py.futures", "-m", "rwmf", "sweep", "sweep.nml"]
-    subprocess.run(
-        [*ranks, *command, "--engine", "mpi", "--out", "mpi.nc"],
-        cwd=tmp_path,
-        check=True,
-        timeout=120,
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
-    )
-    subprocess.run([*command[:2], *command[4:]], cwd=tmp_path, check=True, timeout=120)
+    words = [*ranks, *command, "--engine", "mpi", "--out", "mpi.nc"]
+    done = run_words(words, tmp_path, PYTHONPATH=os.pathsep.join(sys.path))
+    assert done.returncode == 0, done.stderr
+    assert run_words([*command[:2], *command[4:]], tmp_path).returncode == 0
     assert (tmp_path / "mpi.nc").read_bytes() == (tmp_path / "sweep.nc").read_bytes()
 
 

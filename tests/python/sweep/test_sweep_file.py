@@ -1,7 +1,5 @@
 """Files of sweeps and their command: contents and messages."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
@@ -19,7 +17,6 @@ QUICK = {"method": "dop853", "rtol": 1e-6, "t_end": 2.0}
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Give a folder with a case, in which the command runs."""
-    pytest.importorskip("h5py")
     coupled(solver=QUICK).to_namelist(tmp_path / "case.nml")
     monkeypatch.chdir(tmp_path)
     return tmp_path

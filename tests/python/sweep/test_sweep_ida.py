@@ -1,7 +1,5 @@
 """Incremental dynamic analysis as one sweep file: six storeys, a wall, its cable, its fuses."""
 
-from __future__ import annotations
-
 import math
 import os
 import shutil
@@ -45,7 +43,6 @@ def write_records(folder: Path, count: int) -> None:
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Copy the shipped files to a folder with records; few levels."""
-    pytest.importorskip("h5py")
     monkeypatch.chdir(tmp_path)
     shutil.copy(SHIPPED / "six_storeys_with_fuses.nml", tmp_path)
     text = (SHIPPED / "six_storeys_ida.nml").read_text(encoding="utf-8")

@@ -1,7 +1,6 @@
 """Sweeps in files: resuming, parts, refusals; the bytes never depend on interruptions."""
 
-from __future__ import annotations
-
+import fcntl
 import random
 import signal
 import subprocess
@@ -18,9 +17,6 @@ from checkout import Runner
 from rwmf.errors import InputError
 from rwmf.sweeps.computation import merge
 from scenes import coupled
-
-pytest.importorskip("h5py")
-pytest.importorskip("h5netcdf")
 
 CASE_SOLVER = {"method": "dop853", "rtol": 1e-6, "t_end": 3.0}
 GRID = {"e": [0.8, 0.85, 0.9], "scale": [0.5, 1.0], "T_s": [0.5, 1.0], "gamma": [5.0, 50.0]}
@@ -181,7 +177,6 @@ def test_ctrl_c_on_the_command_line(sweep_file: Path) -> None:
 
 
 def test_a_journal_that_another_process_writes(sweep_file: Path, command: Runner) -> None:
-    fcntl = pytest.importorskip("fcntl")
     journal = sweep_file.with_name("out.nc.journal")
     with journal.open("wb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)

@@ -2,10 +2,9 @@
 !> the foundation's forces on every part.
 program test_balance
    use check, only: checks_t
-   use reaction_scenes, only: damped, fused, hysteretic, linked, linked_pinned, linked_storeys, &
-      pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
-      uneven_storeys, with_inerter, with_tendon, yielding_storeys
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_input_reader, only: read_case_text
    use rwmf_model_equation, only: ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: load_to, plastic_parts
@@ -23,39 +22,58 @@ program test_balance
 
    real(wp), parameter :: t = 0.3_wp
    real(wp), parameter :: round_off = 1.0e-13_wp
+   character(*), parameter :: pulse = "&motion kind='one_sine', a_max_g=0.4, T_p=1.0 / " &
+      //'&solver t_end=1 /'
+   character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &impact e=0.9 / ', &
+      hinged = "&wall h=2.0, b=0.5, base='pinned' / ", &
+      frame = '&frame T_s=1.0, gamma=5.0, xi_s=0.05 / ', link = '&link L=5.0 / ', &
+      cable = '&cable eta_0=1.0, eta_alpha=5.0 / ', &
+      truss = "&cable eta_0=1.0, eta_alpha=5.0, law='truss' / ", &
+      damper = '&damper c_over_m_w=2.0 / ', inerter = '&inerter inertance_over_m_w=1.5 / '
+   ! fuses, tendons, frames and storeys that yield far below the motion of the test
+   character(*), parameter :: fuse = '&fuse eta_y=0.4, stroke_y=0.002, hardening=0.02 / ', &
+      tendon = '&cable eta_0=1.0, eta_alpha=5.0, eta_y=1.3, hardening=0.02, law=', &
+      smooth = "&yielding u_y=0.1, hardening=0.07, law='bouc_wen', exponent=2.0, beta=0.6 / ", &
+      yields = "&yielding u_y=0.1, hardening=0.07, law='elastic_plastic' / ", &
+      each_yields = '&yielding storey_u_y=0.02,0.05,0.01, hardening=0.07 / ', &
+      storeys = '&frame xi_s=0.05 / &storeys m_over_m_w=3.0,2.0,1.5, ' &
+      //'k_over_m_w=600.0,500.0,300.0, height=2.0,1.5,0.5, coupling=', &
+      full = wall//cable//storeys//"'full' / ", reduced = wall//cable//storeys//"'reduced' / ", &
+      every = wall//cable//storeys//"'every_floor' / "
    type(checks_t) :: checks
 
-   call check_balance(scene('published', 'linear'), 'published')
-   call check_balance(scene('symmetric', 'linear'), 'symmetric')
-   call check_balance(scene('exact', 'linear'), 'exact')
-   call check_balance(scene('exact', 'truss'), 'truss')
-   call check_balance(linked('symmetric'), 'link, symmetric')
-   call check_balance(linked('exact'), 'link, exact')
-   call check_balance(damped(), 'dampers')
-   call check_balance(pinned(), 'pinned')
-   call check_balance(linked_pinned(), 'pinned, link')
-   call check_balance(pinned_with_corners(), 'pinned, dampers, fuses, inerters')
-   call check_balance(fused(), 'fuses')
-   call check_balance(with_inerter(), 'inerters')
-   call check_balance(shaken_vertically(), 'vertical motion')
-   call check_balance(with_tendon('linear'), 'tendon')
-   call check_balance(with_tendon('truss'), 'straight tendon')
-   call check_balance(hysteretic('exact'), 'Bouc and Wen')
-   call check_balance(hysteretic('symmetric'), 'Bouc and Wen, symmetric')
-   call check_balance(storeys('reduced', 'exact'), 'one mode')
-   call check_balance(storeys('reduced', 'symmetric'), 'one mode, symmetric')
-   call check_balance(storeys('full', 'exact'), 'all modes')
-   call check_balance(storeys('full', 'published'), 'all modes, published')
-   call check_balance(storeys('every_floor', 'exact'), 'every floor')
-   call check_balance(storeys('every_floor', 'symmetric'), 'every floor, symmetric')
-   call check_balance(storeys('every_floor', 'published'), 'every floor, published')
-   call check_balance(linked_storeys('every_floor'), 'every floor, link')
-   call check_balance(storeys_of_pinned_wall(), 'every floor, pinned')
-   call check_balance(yielding_storeys('elastic_plastic'), 'every floor, yielding')
-   call check_balance(yielding_storeys('bouc_wen'), 'every floor, Bouc and Wen')
-   call check_balance(uneven_storeys(), 'every floor, storeys that yield one by one')
-   call check_balance(linked_storeys('full'), 'all modes, link')
-   call check_balance(linked_storeys('reduced'), 'one mode, link')
+   call check_balance(wall//frame//cable, 'published', 'published')
+   call check_balance(wall//frame//cable, 'symmetric', 'symmetric')
+   call check_balance(wall//frame//cable, 'exact', 'exact')
+   call check_balance(wall//frame//truss, 'exact', 'truss')
+   call check_balance(wall//frame//truss//link, 'symmetric', 'link, symmetric')
+   call check_balance(wall//frame//truss//link, 'exact', 'link, exact')
+   call check_balance(wall//frame//truss//damper, 'exact', 'dampers')
+   call check_balance(hinged//frame, 'exact', 'pinned')
+   call check_balance(hinged//frame//link, 'exact', 'pinned, link')
+   call check_balance(hinged//frame//damper//fuse//inerter, 'exact', &
+      'pinned, dampers, fuses, inerters')
+   call check_balance(wall//frame//truss//fuse, 'exact', 'fuses')
+   call check_balance(wall//frame//truss//inerter, 'exact', 'inerters')
+   call check_balance(wall//frame//truss//'&vertical ratio=0.65 / ', 'exact', 'vertical motion')
+   call check_balance(wall//frame//tendon//"'linear' / ", 'exact', 'tendon')
+   call check_balance(wall//frame//tendon//"'truss' / ", 'exact', 'straight tendon')
+   call check_balance(wall//frame//cable//smooth, 'exact', 'Bouc and Wen')
+   call check_balance(wall//frame//cable//smooth, 'symmetric', 'Bouc and Wen, symmetric')
+   call check_balance(reduced, 'exact', 'one mode')
+   call check_balance(reduced, 'symmetric', 'one mode, symmetric')
+   call check_balance(full, 'exact', 'all modes')
+   call check_balance(full, 'published', 'all modes, published')
+   call check_balance(every, 'exact', 'every floor')
+   call check_balance(every, 'symmetric', 'every floor, symmetric')
+   call check_balance(every, 'published', 'every floor, published')
+   call check_balance(every//link, 'exact', 'every floor, link')
+   call check_balance(hinged//storeys//"'every_floor' / ", 'exact', 'every floor, pinned')
+   call check_balance(every//yields, 'exact', 'every floor, yielding')
+   call check_balance(every//smooth, 'exact', 'every floor, Bouc and Wen')
+   call check_balance(every//each_yields, 'exact', 'every floor, storeys that yield one by one')
+   call check_balance(full//link, 'exact', 'all modes, link')
+   call check_balance(reduced//link, 'exact', 'one mode, link')
    call checks%finish()
 
 contains
@@ -64,9 +82,12 @@ contains
    !> centroid equal its moment of inertia times theta''; the reactions follow from the balance of
    !> momentum only. The foundation's forces on wall, frame, cable and dampers sum to the base
    !> shear, which follows from the accelerations.
-   subroutine check_balance(case, name)
-      type(case_t), intent(in) :: case
+   subroutine check_balance(text, formulation, name)
+      character(*), intent(in) :: text
+      character(*), intent(in) :: formulation
       character(*), intent(in) :: name
+      type(case_t) :: case
+      type(error_t), allocatable :: error
       type(motion_t), target :: motion
       type(equation_t) :: equation
       type(reactions_t) :: reactions
@@ -80,6 +101,9 @@ contains
       integer :: j
 
       if (.not. checks%wants(name)) return
+      call read_case_text(text//"&model formulation='"//formulation//"' / "//pulse, '', case, error)
+      call checks%no_error(error, name//' is read')
+      if (allocated(error)) return
       motion = motion_from_case(case)
       do side = -1, 1, 2
          call build_equation(case, motion, equation)
