@@ -107,7 +107,7 @@ class Case(Groups):
         self._put(source, folder, origin is not None, text, motions)
         known = None if origin is None else origin._kernel
         samples = {group: motion.samples for group, motion in motions.items()}
-        read = kernel_case.read_case(text, self.kernel_source(), known, **samples)
+        read = kernel_case.read_case(text, self.kernel_source(), known, samples)
         super().__setattr__("_kernel", read)
 
     def _assemble_entries(
@@ -558,10 +558,10 @@ def kernel_for_host(
         return case.kernel, case.kernel_source()
     if not isinstance(case, Mapping):
         source = _path_text(case)
-        return kernel_case.read_host_case(read_text(source), source), source
+        return kernel_case.read_case(read_text(source), source, is_for_host=True), source
     try:
         text = compose(_checked_entries(case))
-        return kernel_case.read_host_case(text, ""), ""
+        return kernel_case.read_case(text, "", is_for_host=True), ""
     except InputError as error:
         raise InputError(without_lines(str(error))) from None
 

@@ -124,7 +124,7 @@ def run_task(task: Task, progress: Progress | None = None) -> Chunk:
 
 def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any]]:
     samples = {group: motion.samples for group, motion in task.motions.items()}
-    case = kernel_case.read_case(compose(task.entries), task.source, None, **samples)
+    case = kernel_case.read_case(compose(task.entries), task.source, None, samples)
     allowed = case.applicable()
     # both names of a quantity have the same key
     requested = dict.fromkeys(QUANTITIES[name].key for name in task.quantities)
@@ -274,7 +274,7 @@ class Plan:
         label = label or ", ".join(axis.where(0) for axis in self.axes) or "the case"
         samples = {group: motion.samples for group, motion in self._motions(at).items()}
         try:
-            return kernel_case.read_case(compose(entries), self.source, known, **samples)
+            return kernel_case.read_case(compose(entries), self.source, known, samples)
         except InputError as error:
             raise InputError(f"sweep, {label}: {without_lines(str(error))}") from error
 
