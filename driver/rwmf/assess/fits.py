@@ -126,6 +126,11 @@ class Fit:
     slope: Array | None = None
     scatter: Array | None = None
 
+    def __getitem__(self, part: slice) -> Fit:
+        """Return the fits of some resamples."""
+        optional = (None if item is None else item[part] for item in (self.slope, self.scatter))
+        return Fit(self.median[part], self.dispersion[part], *optional)
+
 
 def fit_counts(levels: Array, exceeded: Array, runs: Array) -> Fit:
     """Fit counts of exceedance by maximum likelihood (Baker 2015, Earthquake Spectra 31(1))."""

@@ -11,17 +11,13 @@ from rwmf.case.arguments import array_of, checked
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import show, to_array, to_items
 from rwmf.run.arguments import dataset_of
-from rwmf.run.quantities import ENDINGS
+from rwmf.run.quantities import fallen
 
 
 def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
     """Return a quantity of a sweep, infinite for overturning or collapse."""
-    status = dataset["status"]
-    # a sweep has numbers, a spectrum names
-    names = str(status.attrs.get("flag_meanings", "")).split()
-    fallen = status.isin([names.index(name) if names else name for name in ENDINGS
-                          if name in names or not names])  # fmt: skip
-    return dataset[name].where(~fallen, np.inf).assign_attrs(dataset[name].attrs)
+    stands = dataset["status"].copy(data=~fallen(dataset))
+    return dataset[name].where(stands, np.inf).assign_attrs(dataset[name].attrs)
 
 
 def _of_ranks(values: xr.DataArray, shares: np.ndarray, dim: str) -> xr.DataArray:

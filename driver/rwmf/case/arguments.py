@@ -194,7 +194,6 @@ _CHECKS: dict[str, Check] = {
     "threads": lambda name, value: check_threads(value, name),
     "tolerance": _positive,
     "T_p": _positives,
-    "uncertain": _mapping,
     "unit": _text,
     "variables": texts_of,
     "words": _sequence,

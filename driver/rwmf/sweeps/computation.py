@@ -93,8 +93,8 @@ def _curves(part: _Part) -> list[list[str]]:
     return list(curves.values())
 
 
-class RunOptions(TypedDict, total=False):
-    """Arguments of `sweep` on the execution of its runs, which studies pass on.
+class SweepOptions(TypedDict, total=False):
+    """Arguments of `sweep` that studies pass on: execution of its runs, reading of records.
 
     Attributes
     ----------
@@ -107,25 +107,16 @@ class RunOptions(TypedDict, total=False):
         finished and of all runs.
     chunk : int
         Largest number of runs in a chunk, 0 for the default.
-    """
-
-    threads: int
-    executor: Executor | None
-    progress: Reports
-    chunk: int
-
-
-class SweepOptions(RunOptions, total=False):
-    """Arguments of `sweep` that studies pass on, including those on reading records.
-
-    Attributes
-    ----------
     unit : str, optional
         Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
     dt : float, optional
         Sampling interval of records of one column [s].
     """
 
+    threads: int
+    executor: Executor | None
+    progress: Reports
+    chunk: int
     unit: str | None
     dt: float | None
 

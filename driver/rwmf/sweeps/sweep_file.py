@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,20 @@ _KEYS = {
     "period": (float, False),
     "damping": (float, False),
     "periods": (float, True),
+}
+# one value, a list, and a check of each
+_WANTED: dict[type, tuple[str, str, Callable[[Any], bool]]] = {
+    str: ("one text", "a list of texts", lambda x: isinstance(x, str)),
+    float: (
+        "one finite number > 0",
+        "a list of finite numbers > 0",
+        lambda x: isinstance(x, float) and 0 < x < math.inf,
+    ),
+    int: (
+        "one whole number >= 0",
+        "",
+        lambda x: isinstance(x, float) and x.is_integer() and 0 <= x <= _MOST_RUNS,
+    ),
 }
 _PAIR = "eta"
 _PATHS = ("case", "file", "records", "points")
@@ -89,12 +103,8 @@ def _checked(path: str, key: str, items: list[Item]) -> Any:  # noqa: ANN401 (a 
     if key not in _KEYS:
         raise InputError(f"{path}, &sweep: unknown key {key}; allowed are {', '.join(_KEYS)}")
     kind, several = _KEYS[key]
-    wanted = {
-        str: "a list of texts" if several else "one text",
-        float: "a list of finite numbers > 0" if several else "one finite number > 0",
-        int: "one whole number >= 0",
-    }[kind]
-    accepted = {str: _is_text, float: _is_positive, int: _is_count}[kind]
+    wanted = _WANTED[kind][several]
+    accepted = _WANTED[kind][2]
     shown = shorten(", ".join(str(item) for item in items))
     if not all(map(accepted, items)) or (len(items) > 1 and not several):
         raise InputError(f"{path}, &sweep: {key} = {shown}: must be {wanted}")
@@ -108,18 +118,6 @@ def _checked(path: str, key: str, items: list[Item]) -> Any:  # noqa: ANN401 (a 
     if kind is int:
         return int(items[0])
     return items if several else items[0]
-
-
-def _is_text(item: Item) -> bool:
-    return isinstance(item, str)
-
-
-def _is_positive(item: Item) -> bool:
-    return isinstance(item, float) and 0 < item < math.inf
-
-
-def _is_count(item: Item) -> bool:
-    return isinstance(item, float) and item.is_integer() and 0 <= item <= _MOST_RUNS
 
 
 def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
