@@ -153,8 +153,8 @@ def compare(ops: ModuleType, scene: str) -> list[Row]:
     for dt in STEPS[1:] if scene in FINER else STEPS[:-1]:
         build(ops, frame)
         begun = time.perf_counter()
-        host = rwmf.coupling.OpenSeesHost(ops, nodes)
-        run = rwmf.coupling.couple(
+        host = rwmf.hosts.OpenSeesHost(ops, nodes)
+        run = rwmf.hosts.couple(
             case, host, lambda t: float(np.interp(t, times, values)), dt, T_END, **heights
         )
         seconds = time.perf_counter() - begun

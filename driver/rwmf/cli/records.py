@@ -20,7 +20,6 @@ from rwmf.motion import records
 from rwmf.motion.intensity import G
 from rwmf.motion.records import Described, curves, describe
 from rwmf.motion.selection import select as choose
-from rwmf.motion.selection import write_suite
 from rwmf.motion.waveform import waveform_of
 
 # facts of a table: key, title, width and format
@@ -150,7 +149,7 @@ def select(options: argparse.Namespace) -> int:
             dt=options.dt,
         )
     if options.out:
-        write_suite(found, options.out)
+        found.write(options.out)
     if options.plot:
         with figures.drawn(options.plot, 3.6) as figure:
             label = f"$S_a$({100 * options.damping:g} %) (g)"

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT
-from rwmf.coupling import FunctionHost, OpenSeesHost, couple
+from rwmf.hosts import FunctionHost, OpenSeesHost, couple
 from rwmf.hosts.si_building import read_building
 
 TEXT = (
@@ -42,7 +42,7 @@ def frame(**changes: object) -> FunctionHost:
     return FunctionHost(**(parts | changes))  # type: ignore[arg-type]
 
 
-def error_of(run: rwmf.coupling.CoupledRun, truth: rwmf.Response) -> float:
+def error_of(run: rwmf.hosts.CoupledRun, truth: rwmf.Response) -> float:
     difference = np.interp(truth.time.values, run.t, run.u) - truth.u_s.values
     return float(np.abs(difference).max() / truth.u_s_max)
 
