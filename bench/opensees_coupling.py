@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import rwmf
 from common import ROOT, read_rows, table, write_rows
-from rwmf.hosts.si_building import Frame, Law, read_building
+from rwmf.hosts.si_building import Building, Frame, Law
 
 from exported_scenes import CABLE, FRAME, WALL  # isort: skip
 
@@ -83,7 +83,7 @@ def case_of(scene: str) -> rwmf.Case:
 
 def frame_of(case: rwmf.Case) -> Frame:
     """Return the frame that the kernel has beside the wall of a case."""
-    frame = read_building(case.without("bending") if case.bending else case).frame
+    frame = Building(case.without("bending") if case.bending else case).frame
     assert frame is not None
     if not (case.bending and frame.coupling == "every_floor"):
         return frame
