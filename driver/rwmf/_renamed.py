@@ -4,12 +4,14 @@ from collections.abc import Callable
 
 _RECIPE = "a recipe of the page Studies"
 _IN_HOSTS = (
-    *("ElementEvent", "ElementResponse", "WallEvent", "WallEvents", "WallState"),
+    *("ElementResponse", "WallEvent", "WallState"),
     *("coupling.FunctionHost", "coupling.Host", "coupling.OpenSeesHost", "coupling.couple"),
 )
 # types without a public name, and what has them
 _TYPES = {
+    "ElementEvent": "the result of Element.next_event",
     "ElementSnapshot": "the result of Element.save",
+    "WallEvents": "Walls.events",
     "WallForces": "Wall.forces",
     "WallMaxima": "Wall.maxima",
     "WallSnapshot": "the result of Wall.save",

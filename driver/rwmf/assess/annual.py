@@ -52,6 +52,7 @@ _OPENQUAKE = ("lon", "lat")
 _LEVEL = "poe-"
 _STATED = re.compile(r"investigation_time=([\d.eE+-]+).*\bimt=['\"]*(\w+)")
 _MEASURES = {"PGA": "g", "SA": "g", "AvgSA": "g", "PGV": "cm/s"}
+_POSITIVE = "a finite number > 0"
 _COLUMNS = "intensity with frequency, return_period, or poe_50 (probability in 50 years)"
 
 
@@ -163,12 +164,7 @@ def _from_columns(
     if quantity == "probability":
         return _from_probabilities(x, y, _years(rate, head), source, where)
     if quantity == "period":
-        wrong = ~(np.isfinite(y) & (y > 0))
-        if wrong.any():
-            i = int(np.argmax(wrong))
-            raise InputError(
-                f"{source}, {where[i]}: {rate.words} = {y[i]:g}: must be a finite number > 0"
-            )
+        _check(y > 0, source, where, rate.words, y)
         return replace(_through(x, 1 / y, source, where), warnings=())
     return _through(x, y, source, where)
 
@@ -234,17 +230,27 @@ def _years(name: ColumnName, source: str) -> float:
     return years[0]
 
 
+def _check(
+    is_good: npt.NDArray[np.bool_],
+    source: str,
+    where: Sequence[str],
+    name: str,
+    values: Array,
+    wanted: str = _POSITIVE,
+) -> None:
+    """Refuse the first point of a curve that is not finite or not good."""
+    is_good = is_good & np.isfinite(values)
+    if not is_good.all():
+        i = int(np.argmin(is_good))
+        raise InputError(f"{source}, {where[i]}: {name} = {values[i]:g}: must be {wanted}")
+
+
 def _from_probabilities(
     x: Array, y: Array, years: float, source: str, where: Sequence[str]
 ) -> Hazard:
     """Make the curve of probabilities in a number of years, of Poisson's process."""
-    wrong = ~((y > 0) & (y <= 1))
-    if wrong.any():
-        i = int(np.argmax(wrong))
-        raise InputError(
-            f"{source}, {where[i]}: probability = {y[i]:g}: must be in (0, 1], or the name has "
-            "[%]; leave out points of no probability"
-        )
+    wanted = "in (0, 1], or the name has [%]; leave out points of no probability"
+    _check((y > 0) & (y <= 1), source, where, "probability", y, wanted)
     # a printed 1 gives a lower bound of the frequency only
     used = y < 1
     found = _through(

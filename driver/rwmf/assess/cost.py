@@ -254,7 +254,11 @@ def _compared(case: Case, target: float, report: Progress) -> Cost:
     practices, rows = rows[: len(PRACTICES)], rows[len(PRACTICES) :]
     disagreement = float(np.quantile(differences, 0.9)) if differences else math.nan
     best = cheapest(rows, target)
-    return Cost(_add_verdict(facts, rows), rows, practices, target, best, disagreement)
+    # the reference is two digits better than the best row (or at round-off)
+    errors = [row.relative_error for row in rows if row.status == "ok"]
+    most = max(min(errors, default=0.0), _ROUND_OFF)
+    facts["good_enough"] = facts["relative_error"] * _DIGITS_BETTER <= most
+    return Cost(facts, rows, practices, target, best, disagreement)
 
 
 def _asked(case: Case, quantity: str | None) -> Case:
@@ -326,13 +330,6 @@ def _double_reference(case: Case) -> Reference:
     loose, tight = (_measure.measure_method(case, "taylor", rtol, 0.0) for rtol in _DOUBLE)
     differences = {name: abs(tight.values[name] - loose.values[name]) for name in tight.values}
     return Reference(**vars(tight), differences=differences)
-
-
-def _add_verdict(facts: dict[str, Any], rows: list[Row]) -> dict[str, Any]:
-    """Add whether the reference is two digits better than the best row (or at round-off)."""
-    errors = [row.relative_error for row in rows if row.status == "ok"]
-    best = max(min(errors, default=0.0), _ROUND_OFF)
-    return facts | {"good_enough": facts["relative_error"] * _DIGITS_BETTER <= best}
 
 
 def _row(task: _Task, budget: float, reference: Reference, peak: str) -> Row:

@@ -20,21 +20,6 @@ def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray
     return dataset[name].where(stands, np.inf).assign_attrs(dataset[name].attrs)
 
 
-def _of_ranks(values: xr.DataArray, shares: np.ndarray, dim: str) -> xr.DataArray:
-    """Compute quantiles over a dimension."""
-    axis = values.get_axis_num(dim)
-    # linear interpolation between a number and infinity would give infinity or NaN
-    found = np.nanquantile(values.values, shares, axis=axis, method="inverted_cdf")
-    kept = values.isel({dim: 0}, drop=True)
-    return xr.DataArray(
-        found,
-        dims=("quantile", *kept.dims),
-        coords=kept.coords,
-        name=values.name,
-        attrs=values.attrs,
-    )
-
-
 @checked
 def quantile(
     dataset: xr.Dataset,
@@ -82,7 +67,7 @@ def quantile(
     shares = to_array("q", [q] if is_one else q, least=1)
     if not ((shares >= 0) & (shares <= 1)).all():
         raise InputError(f"q = {show(q)}: must be in [0, 1]")
-    values = with_overturning(dataset, quantity)
-    found = _of_ranks(array_of(values, dim), shares, dim)
-    found = found.assign_coords(quantile=("quantile", shares))
+    values = array_of(with_overturning(dataset, quantity), dim)
+    # linear interpolation between a number and infinity would give infinity or NaN
+    found = values.quantile(shares, dim, method="inverted_cdf", keep_attrs=True, skipna=True)
     return found.isel(quantile=0) if is_one else found

@@ -13,7 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.errors import InputError
-from rwmf.kernel import files, kernel_case
+from rwmf.kernel import files
+from rwmf.kernel.kernel_case import keep_samples
+from rwmf.kernel.marshalling import Memory
 from rwmf.kernel.numbers import show, to_array, to_number
 
 _UNITS = ("g", "m/s2", "cm/s2")
@@ -57,7 +59,7 @@ class Motion:
         Unit of the accelerations.
     name : str
         Name in outputs and messages.
-    samples : Samples
+    samples : Memory
         The samples in the kernel.
 
     Raises
@@ -70,7 +72,7 @@ class Motion:
 
     dt: float | None
     name: str
-    samples: kernel_case.Samples
+    samples: Memory
     unit: str
     values: npt.NDArray[np.float64]
     _times: npt.NDArray[np.float64] | None
@@ -99,7 +101,7 @@ class Motion:
         if self.values.size < 2:
             raise self._problem(f"{self.values.size} samples: must be at least 2")
         try:
-            put("samples", kernel_case.keep_samples(self.values, self._times))
+            put("samples", keep_samples(self.values, self._times))
         except InputError as error:
             raise self._problem(str(error)) from None
 

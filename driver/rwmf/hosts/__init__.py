@@ -13,19 +13,17 @@ from typing import TYPE_CHECKING
 
 from rwmf._renamed import of_module
 from rwmf.hosts.coupling import couple
-from rwmf.hosts.element import ElementEvent, ElementResponse
+from rwmf.hosts.element import ElementResponse
 from rwmf.hosts.opensees_host import OpenSeesHost
 from rwmf.hosts.partner import FunctionHost, Host
-from rwmf.hosts.states import WallEvent, WallEvents, WallState
+from rwmf.hosts.states import WallEvent, WallState
 
 __all__ = [
-    "ElementEvent",
     "ElementResponse",
     "FunctionHost",
     "Host",
     "OpenSeesHost",
     "WallEvent",
-    "WallEvents",
     "WallState",
     "couple",
 ]

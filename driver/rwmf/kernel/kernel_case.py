@@ -34,18 +34,6 @@ class SceneAxis(NamedTuple):
     meaning: str
 
 
-class Samples:
-    """Validated samples of a ground motion."""
-
-    def __init__(self, memory: Memory) -> None:
-        self._memory = memory
-
-    @property
-    def handle(self) -> int:
-        """Handle, valid as long as this object."""
-        return self._memory.handle
-
-
 class Changes(NamedTuple):
     """Keys of a case that get new numbers.
 
@@ -178,7 +166,7 @@ def read_case(
     text: str,
     source: str,
     known: KernelCase | None = None,
-    samples: Mapping[str, Samples] = MappingProxyType({}),
+    samples: Mapping[str, Memory] = MappingProxyType({}),
     *,
     is_for_host: bool = False,
 ) -> KernelCase:
@@ -191,7 +179,7 @@ def read_case(
     )
 
 
-def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Samples:
+def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Memory:
     """Check samples of a ground motion and store them in the kernel."""
     times = np.zeros(0) if times is None else times
-    return Samples(Memory(*call(_cases.samples_keep, values, times)))
+    return Memory(*call(_cases.samples_keep, values, times))

@@ -40,6 +40,8 @@ _PATTERNS = tuple(
         rf"(?P<key>)(?P<part>\d{{3}}|(?P<up>up|dwn|down|vert?(?:ical)?|u-?d|[vz])|{_LEVEL})\.\w+",
     )
 )
+# endings of tables, whose third column or file need not be vertical
+_TABLES = (".csv", ".txt", ".dat")
 _VERTICAL_PARTS = ("ud", "z", "3")
 # a component that no pattern knows: a letter, two digits, or at most four letters behind a mark
 _SHORT = re.compile(r"(.+?)(?:[-_. ]+\w{1,4}|\d\d|[nsewltxyh])\.\w+", re.IGNORECASE)
@@ -86,12 +88,11 @@ def verticals_beside(paths: Iterable[Path]) -> set[Path]:
         path
         for place, part, path in upward
         if place in level
-        and (part != "3" or (sorted(level[place]) == ["1", "2"] and not _is_table(path)))
+        and (
+            part != "3"
+            or (sorted(level[place]) == ["1", "2"] and path.suffix.lower() not in _TABLES)
+        )
     }
-
-
-def _is_table(path: Path) -> bool:
-    return path.suffix.lower() in (".csv", ".txt", ".dat")
 
 
 def is_left_behind(path: Path) -> bool:

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import accumulate, groupby
@@ -70,7 +71,9 @@ def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | 
     if name in columns:
         return columns[name]
     if name == "storey_drift":
-        storeys = [values for item, values in columns.items() if _is_drift_of_storey(item)]
+        storeys = [
+            values for item, values in columns.items() if re.fullmatch(r"storey_\w*_drift", item)
+        ]
         return np.asarray(np.max(np.abs(storeys), axis=0)) if storeys else None
     if name == "theta_over_alpha":
         return columns["theta_rad"] / math.atan2(case.wall.b, case.wall.h)
@@ -82,10 +85,6 @@ def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | 
             # without load the wall stands and the cable has its prestress
             return np.asarray(force - force[0])
     return None
-
-
-def _is_drift_of_storey(key: str) -> bool:
-    return key.startswith("storey_") and key.endswith("_drift")
 
 
 # median, one standard deviation of a normal distribution on both sides, and the largest [%]

@@ -161,25 +161,28 @@ def _processes(_: str, workers: int) -> Iterator[Executor]:
 
 
 @contextmanager
-def _mpi(_: str, __: int) -> Iterator[Executor]:
+def _needed(engine: str, package: str) -> Iterator[None]:
+    """Name the package that an engine lacks."""
     try:
-        from mpi4py.futures import MPIPoolExecutor
+        yield
     except ImportError as error:
         raise InputError(
-            f"engine mpi: needs the package mpi4py and an MPI ({error}): {how_to_install('mpi')}"
+            f"engine {engine}: needs the package {package} ({error}): {how_to_install(engine)}"
         ) from error
+
+
+@contextmanager
+def _mpi(_: str, __: int) -> Iterator[Executor]:
+    with _needed("mpi", "mpi4py and an MPI"):
+        from mpi4py.futures import MPIPoolExecutor
     with MPIPoolExecutor() as executor:
         yield executor
 
 
 @contextmanager
 def _dask(address: str, workers: int) -> Iterator[Executor]:
-    try:
+    with _needed("dask", "distributed"):
         from distributed import Client
-    except ImportError as error:
-        raise InputError(
-            f"engine dask: needs the package distributed ({error}): {how_to_install('dask')}"
-        ) from error
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
     try:
         # silence messages about workers that start and stop

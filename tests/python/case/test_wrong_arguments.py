@@ -72,8 +72,8 @@ WRONG: dict[str, Any] = {
 }
 _CLASSES = ("Case", "Motion", "records.RecordFile", "Response")
 # results of other functions, and functions without arguments
-_NOT_CALLED = {"plot.style", "hosts.ElementEvent", "hosts.ElementResponse", "hosts.Host",
-               "hosts.WallEvent", "hosts.WallEvents", "hosts.WallState"}  # fmt: skip
+_NOT_CALLED = {"plot.style", "hosts.ElementResponse", "hosts.Host",
+               "hosts.WallEvent", "hosts.WallState"}  # fmt: skip
 # needs the package openseespy
 _NOT_CALLED |= {"hosts.OpenSeesHost"}
 
