@@ -3,10 +3,7 @@
 from collections.abc import Callable
 
 _RECIPE = "a recipe of the page Studies"
-_IN_HOSTS = (
-    *("ElementResponse", "WallEvent", "WallState"),
-    *("coupling.FunctionHost", "coupling.Host", "coupling.OpenSeesHost", "coupling.couple"),
-)
+_IN_HOSTS = ("ElementResponse", "WallEvent", "WallState")
 # types without a public name, and what has them
 _TYPES = {
     "ElementEvent": "the result of Element.next_event",
@@ -63,10 +60,13 @@ NAMES = {
     "plot.draw_suite": _RECIPE,
     "plot.draw_wall_effect": "rwmf.plot.wall_effect",
 }
-NAMES |= {name: f"rwmf.hosts.{name.rpartition('.')[2]}" for name in _IN_HOSTS}
-for _name, _owner in _TYPES.items():
-    for _key in (_name, f"hosts.{_name}"):
-        NAMES[_key] = f"the type of {_owner}"
+NAMES |= {name: f"rwmf.hosts.{name}" for name in _IN_HOSTS}
+NAMES |= {name: f"the type of {owner}" for name, owner in _TYPES.items()}
+NAMES |= {
+    f"hosts.{name}": f"the type of {owner}"
+    for name, owner in _TYPES.items()
+    if name.startswith(("Element", "Wall"))
+}
 # options, and words of commands
 WORDS = {
     "merge": "rwmf sweep --merge PART ... --out FILE",

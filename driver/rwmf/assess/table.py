@@ -18,10 +18,10 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf.case.arguments import checked, path_of, texts_of
+from rwmf.case.arguments import checked, texts_of
 from rwmf.errors import InputError
 from rwmf.kernel import files
-from rwmf.kernel.files import new_file
+from rwmf.kernel.files import new_file, path_of
 from rwmf.kernel.names import readable, shorten
 from rwmf.kernel.numbers import first_masked, show, to_array
 from rwmf.run.quantities import ENDINGS, fallen, find_quantities

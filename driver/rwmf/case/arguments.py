@@ -16,7 +16,7 @@ import numpy as np
 
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.errors import LOG, InputError, call_depth, warn
-from rwmf.kernel.names import problem_of_name
+from rwmf.kernel.files import path_of
 from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
 from rwmf.kernel.results import check_threads
 
@@ -35,17 +35,6 @@ def case_of(case: CaseLike) -> Case:
     if isinstance(case, Case):
         return case
     return Case.from_namelist(path_of("case", case, "a Case or the path of a namelist"))
-
-
-def path_of(name: str, value: object, wanted: str = "the path of a file") -> str:
-    """Return the text of a path."""
-    path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
-    if not isinstance(path, str):
-        raise InputError(f"{name} = {show(value)}: must be {wanted}")
-    problem = problem_of_name(path)
-    if problem is not None:
-        raise InputError(f"{name} = {show(value)}: {problem}")
-    return path
 
 
 def texts_of(name: str, value: object) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import zlib
@@ -245,7 +246,10 @@ class Motion:
 
     def __reduce__(self) -> tuple[Callable[..., Motion], tuple[object, ...]]:
         """Pickle the samples."""
-        return (_restore, (self.values, self.dt, self._times, self.unit, self.name))
+        make = functools.partial(
+            Motion, dt=self.dt, times=self._times, unit=self.unit, name=self.name
+        )
+        return (make, (self.values,))
 
     def __copy__(self) -> Motion:
         """Return the motion itself: it never changes."""
@@ -287,13 +291,3 @@ def _order_of(steps: Iterable[str]) -> int | None:
         elif order is not None:
             order += ("differentiate(" in step) - ("integrate(" in step)
     return order
-
-
-def _restore(
-    values: npt.NDArray[np.float64],
-    dt: float | None,
-    times: npt.NDArray[np.float64] | None,
-    unit: str,
-    name: str,
-) -> Motion:
-    return Motion(values, dt=dt, times=times, unit=unit, name=name)

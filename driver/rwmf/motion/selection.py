@@ -13,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.case import Motion
-from rwmf.case.arguments import checked, path_of
+from rwmf.case.arguments import checked
 from rwmf.errors import InputError, warn
 from rwmf.kernel import files
+from rwmf.kernel.files import path_of
 from rwmf.kernel.names import shorten
 from rwmf.kernel.numbers import show, to_array, to_items, to_number
 from rwmf.kernel.progress import Reports, reporting

@@ -14,10 +14,11 @@ from typing import TypedDict
 import xarray as xr
 
 from rwmf.case import CaseLike, Motion
-from rwmf.case.arguments import checked, path_of
+from rwmf.case.arguments import checked
 from rwmf.case.namelist import read_text
 from rwmf.errors import InputError, Interrupted, OutputError
 from rwmf.kernel import files
+from rwmf.kernel.files import path_of
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import ORDINATES as QUANTITIES
