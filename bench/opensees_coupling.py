@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import rwmf
 from common import ROOT, read_rows, table, write_rows
-from rwmf.hosts.si_building import Frame, Law, read_building
+from rwmf.hosts.si_building import Building, Frame, Law
 
 from exported_scenes import CABLE, FRAME, WALL  # isort: skip
 
@@ -81,7 +81,7 @@ def case_of(scene: str) -> rwmf.Case:
 
 def frame_of(case: rwmf.Case) -> Frame:
     """Return the frame that the kernel has beside the wall of a case."""
-    frame = read_building(case.without("bending") if case.bending else case).frame
+    frame = Building(case.without("bending") if case.bending else case).frame
     assert frame is not None
     if not (case.bending and frame.coupling == "every_floor"):
         return frame
@@ -151,8 +151,8 @@ def compare(ops: ModuleType, scene: str) -> list[Row]:
     for dt in STEPS[1:] if scene in FINER else STEPS[:-1]:
         build(ops, frame)
         begun = time.perf_counter()
-        host = rwmf.coupling.OpenSeesHost(ops, nodes)
-        run = rwmf.coupling.couple(
+        host = rwmf.hosts.OpenSeesHost(ops, nodes)
+        run = rwmf.hosts.couple(
             case, host, lambda t: float(np.interp(t, times, values)), dt, T_END, **heights
         )
         seconds = time.perf_counter() - begun

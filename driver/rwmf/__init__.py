@@ -16,7 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rwmf import coupling, hosts, loops, plot, records, sections, studies
+    from rwmf import hosts, plot, records, sections, studies
     from rwmf.assess.analyses import cloud, ida, stripes
     from rwmf.assess.annual import risk
     from rwmf.assess.cost import cost
@@ -48,9 +48,9 @@ if TYPE_CHECKING:
 __all__ = [
     "Case", "Element", "InputError", "Interrupted", "Motion", "NumericalError", "OutputError",
     "Response", "RwmfError", "RwmfWarning", "Wall", "Walls", "__version__", "checks", "cloud",
-    "cost", "coupling", "design", "explore", "fragility", "gradient", "hosts", "ida", "loops",
-    "plot", "pushover", "quantile", "records", "risk", "sections", "simulate", "spectrum",
-    "stripes", "studies", "sweep",
+    "cost", "design", "explore", "fragility", "gradient", "hosts", "ida", "plot", "pushover",
+    "quantile", "records", "risk", "sections", "simulate", "spectrum", "stripes", "studies",
+    "sweep",
 ]  # fmt: skip
 # public names of each module
 _HOMES = {

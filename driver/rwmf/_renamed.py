@@ -3,26 +3,41 @@
 from collections.abc import Callable
 
 _RECIPE = "a recipe of the page Studies"
-_OF_HOSTS = (
-    *("ElementEvent", "ElementResponse", "ElementSnapshot", "WallEvent", "WallEvents"),
-    *("WallForces", "WallMaxima", "WallSnapshot", "WallState"),
-)
+_IN_HOSTS = ("ElementResponse", "WallEvent", "WallState")
+# types without a public name, and what has them
+_TYPES = {
+    "ElementEvent": "the result of Element.next_event",
+    "ElementSnapshot": "the result of Element.save",
+    "WallEvents": "Walls.events",
+    "WallForces": "Wall.forces",
+    "WallMaxima": "Wall.maxima",
+    "WallSnapshot": "the result of Wall.save",
+    "records.Processed": "the result of rwmf.records.process",
+    "records.RecordPair": "an item of rwmf.records.pairs",
+    "records.Selection": "the result of rwmf.records.select",
+    "sections.Footing": "the result of rwmf.sections.footing",
+    "sections.Plate": "the result of rwmf.sections.ufp",
+    "sections.Toe": "the result of rwmf.sections.toe",
+    "Checks": "the result of rwmf.checks",
+    "Cost": "the result of rwmf.cost",
+    "Design": "the result of rwmf.design",
+    "LimitCheck": "a row of rwmf.checks",
+}
 # names within rwmf
 NAMES = {
-    "Checks": "the type of the result of rwmf.checks",
-    "Cost": "the type of the result of rwmf.cost",
-    "Design": "the type of the result of rwmf.design",
-    "LimitCheck": "the type of a row of rwmf.checks",
     "RecordFile": "rwmf.records.RecordFile",
     "base_section": "rwmf.sections.base_section",
+    "coupling": "rwmf.hosts",
     "find_records": "rwmf.records.find_records",
     "intensity": "rwmf.records.intensity",
+    "loops": "rwmf.plot.loops, and rwmf.plot.find_loops",
     "merge": "rwmf sweep --merge PART ... --out FILE",
     "paper_coefficients": "Case.paper_coefficients",
     "plot.PANELS": "the default of rwmf.plot.history",
     "records.RECORDS": "the list of rwmf records export",
     "records.Record": "a line of rwmf records export",
     "records.find": "rwmf.records.export",
+    "records.write_suite": "the method write of the result of rwmf.records.select",
     "records.list_records": "the list of rwmf records export",
     "ufp_force": "rwmf.sections.ufp",
     "ufp_stiffness": "rwmf.sections.ufp",
@@ -44,7 +59,14 @@ NAMES = {
     "plot.draw_overturning": "rwmf.plot.overturning_map",
     "plot.draw_suite": _RECIPE,
     "plot.draw_wall_effect": "rwmf.plot.wall_effect",
-} | {name: f"rwmf.hosts.{name}" for name in _OF_HOSTS}
+}
+NAMES |= {name: f"rwmf.hosts.{name}" for name in _IN_HOSTS}
+NAMES |= {name: f"the type of {owner}" for name, owner in _TYPES.items()}
+NAMES |= {
+    f"hosts.{name}": f"the type of {owner}"
+    for name, owner in _TYPES.items()
+    if name.startswith(("Element", "Wall"))
+}
 # options, and words of commands
 WORDS = {
     "merge": "rwmf sweep --merge PART ... --out FILE",

@@ -9,16 +9,12 @@ from typing import TYPE_CHECKING
 from rwmf._renamed import of_module
 from rwmf.motion.code_spectra import asce7, eurocode8
 from rwmf.motion.intensity import intensity
-from rwmf.motion.processing import Processed
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.motion.records import export, info, process, read, sequence
-from rwmf.motion.selection import RecordPair, Selection, pairs, select, write_suite
+from rwmf.motion.selection import pairs, select
 
 __all__ = [
-    "Processed",
     "RecordFile",
-    "RecordPair",
-    "Selection",
     "asce7",
     "eurocode8",
     "export",
@@ -30,7 +26,6 @@ __all__ = [
     "read",
     "select",
     "sequence",
-    "write_suite",
 ]
 
 if not TYPE_CHECKING:

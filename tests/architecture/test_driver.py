@@ -67,7 +67,7 @@ _CASE = ROOT / "inputs" / "fig12_one_cosine.nml"
 @pytest.mark.parametrize(
     ("words", "without"),
     [
-        (["--version"], ()),
+        (["--version"], ("numpy", "importlib.metadata")),
         (["--help"], ("numpy", "rwmf._kernel")),
         (["study", "wall", "--help"], ("numpy", "rwmf._kernel")),
         (["check", str(_CASE)], ("rwmf._reference",)),

@@ -110,13 +110,13 @@ def test_the_next_case_is_not_begun(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("status", "is_complete"), [(0, True), (130, False)])
 def test_interrupt_in_python(status: int, is_complete: bool) -> None:
-    def call(_: np.ndarray) -> tuple[int, int]:
+    def call(*_: np.ndarray) -> tuple[int, int]:
         os.kill(os.getpid(), signal.SIGINT)
         time.sleep(0.2)
         return status, 0
 
     if is_complete:
-        assert write(call) == (0, 0)
+        write(call)
     else:
         with pytest.raises(Interrupted):
             write(call)

@@ -9,7 +9,7 @@ import numpy as np
 import rwmf
 import xarray as xr
 from matplotlib.axes import Axes
-from rwmf import loops, plot, studies
+from rwmf import plot, studies
 
 pulse = rwmf.Motion([0.0, 1.0, -1.0, 0.5] * 15, dt=0.02, unit="m/s2", name="pulse")
 case = rwmf.Case(
@@ -34,7 +34,7 @@ limit = float(rwmf.quantile(found, "u_s_max", 0.84).max())
 ratio = float(studies.wall_effect(case, {"T_s": [0.5]})["ratio"].max())
 panels = plot.history(history, case=case, color="k")
 axes = plot.spectrum(spectra, bare=rwmf.spectrum(alone, T_s=[0.5, 1.0]))
-springs = [loop.work for loop in loops.find_loops(history, case)]
+springs = [loop.work for loop in plot.find_loops(history, case)]
 curve = rwmf.pushover(case, 0.01, steps=2)
 stripes = rwmf.stripes({"wall": case, "none": alone}, [pulse], [0.1, 0.4], "u_s_max")
 met: bool = rwmf.checks(case.replace(limits={"u_s_max_m": 1.0}), history).is_met

@@ -85,7 +85,7 @@ def find_loops(scene: Scene) -> str:
 
     def find(case: rwmf.Case) -> str:
         parts = []
-        for loop in rwmf.loops.find_loops(rwmf.simulate(case, dt=0.01), case):
+        for loop in rwmf.plot.find_loops(rwmf.simulate(case, dt=0.01), case):
             parts.append(dump_value(loop.work))
             parts += [dump_value(loop.displacement), dump_value(loop.force)]
         return "\n".join(parts) + "\n"

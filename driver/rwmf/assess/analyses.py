@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf.assess.table import describe, fallen, read_table, table_of, write_table
+from rwmf.assess.table import describe, read_table, table_of, write_table
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.arguments import case_of, checked, texts_of
 from rwmf.errors import InputError
@@ -24,7 +24,7 @@ from rwmf.kernel.numbers import show, to_array, to_number
 from rwmf.motion.intensity import choose_intensity, scale_to_one
 from rwmf.motion.measures import Intensity
 from rwmf.motion.record_sets import RecordFile, find_records
-from rwmf.run.quantities import default_quantity, find_quantities
+from rwmf.run.quantities import default_quantity, fallen, find_quantities
 from rwmf.sweeps.computation import SweepOptions, path_of_store, sweep
 from rwmf.sweeps.plan import united
 
@@ -372,7 +372,7 @@ def _run(
         [
             (name, record, step)
             for name in suite.designs
-            for record in _numbers(suite)
+            for record in range(len(suite.records))
             for step in steps
         ]
     )
@@ -393,10 +393,6 @@ def _run(
         write_table(found, path)
         stages.remove()
     return found
-
-
-def _numbers(suite: Suite) -> range:
-    return range(len(suite.records))
 
 
 def _is_other(path: Path, request: str, restart: bool) -> bool:
@@ -422,7 +418,7 @@ def _next_points(
     rows = table_of({k: v for k, v in table.items() if k not in ("case", "number")}, {})
     reached = search.reached(rows)
     for i, name in enumerate(suite.designs):
-        for record in _numbers(suite):
+        for record in range(len(suite.records)):
             own = (table["case"] == i) & (table["number"] == record)
             level = search.next_level(table["intensity"][own], reached[own])
             if level is not None:

@@ -52,6 +52,7 @@ _OPENQUAKE = ("lon", "lat")
 _LEVEL = "poe-"
 _STATED = re.compile(r"investigation_time=([\d.eE+-]+).*\bimt=['\"]*(\w+)")
 _MEASURES = {"PGA": "g", "SA": "g", "AvgSA": "g", "PGV": "cm/s"}
+_POSITIVE = "a finite number > 0"
 _COLUMNS = "intensity with frequency, return_period, or poe_50 (probability in 50 years)"
 
 
@@ -163,12 +164,7 @@ def _from_columns(
     if quantity == "probability":
         return _from_probabilities(x, y, _years(rate, head), source, where)
     if quantity == "period":
-        wrong = ~(np.isfinite(y) & (y > 0))
-        if wrong.any():
-            i = int(np.argmax(wrong))
-            raise InputError(
-                f"{source}, {where[i]}: {rate.words} = {y[i]:g}: must be a finite number > 0"
-            )
+        _check(y > 0, source, where, rate.words, y)
         return replace(_through(x, 1 / y, source, where), warnings=())
     return _through(x, y, source, where)
 
@@ -234,17 +230,27 @@ def _years(name: ColumnName, source: str) -> float:
     return years[0]
 
 
+def _check(
+    is_good: npt.NDArray[np.bool_],
+    source: str,
+    where: Sequence[str],
+    name: str,
+    values: Array,
+    wanted: str = _POSITIVE,
+) -> None:
+    """Refuse the first point of a curve that is not finite or not good."""
+    is_good = is_good & np.isfinite(values)
+    if not is_good.all():
+        i = int(np.argmin(is_good))
+        raise InputError(f"{source}, {where[i]}: {name} = {values[i]:g}: must be {wanted}")
+
+
 def _from_probabilities(
     x: Array, y: Array, years: float, source: str, where: Sequence[str]
 ) -> Hazard:
     """Make the curve of probabilities in a number of years, of Poisson's process."""
-    wrong = ~((y > 0) & (y <= 1))
-    if wrong.any():
-        i = int(np.argmax(wrong))
-        raise InputError(
-            f"{source}, {where[i]}: probability = {y[i]:g}: must be in (0, 1], or the name has "
-            "[%]; leave out points of no probability"
-        )
+    wanted = "in (0, 1], or the name has [%]; leave out points of no probability"
+    _check((y > 0) & (y <= 1), source, where, "probability", y, wanted)
     # a printed 1 gives a lower bound of the frequency only
     used = y < 1
     found = _through(
@@ -294,11 +300,6 @@ def _through(x: Array, y: Array, source: str, places: Sequence[str] | None = Non
     return Hazard(u[1:-1], v[:-1] + k * u[:-1], k, limits, (text,) if frequent else ())
 
 
-# beyond these standard deviations from its peak, the integrand is below rounding
-_REACH = 12.0
-# nodes of each interval: at most one standard deviation, or a decay of the hazard by exp(8)
-_STEEP = 8.0
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _YEARS = 50.0
 _BINS = 12
 # largest dispersion that widens them; exp(3 times more) would leave the range of numbers
@@ -317,10 +318,9 @@ def risk(
 ) -> xr.Dataset:
     """Compute the mean annual frequency of exceeding a limit, and its deaggregation.
 
-    The frequency is the integral of the hazard over the distribution of the capacity, by
-    Gauss-Legendre quadrature. The result includes the closed form for power laws (Cornell et al.
-    2002, Journal of Structural Engineering 128(4)). A hazard from a file is
-    linear in logarithms between its points; its two ends are continued.
+    The frequency is the integral of the hazard over the distribution of the capacity, in closed
+    form for each power law (Cornell et al. 2002, Journal of Structural Engineering 128(4)). A
+    hazard from a file is linear in logarithms between its points; its two ends are continued.
 
     Parameters
     ----------
@@ -405,7 +405,7 @@ def _check_range(curves: xr.Dataset, frequencies: Array) -> None:
 
 
 def integrate(hazard: Hazard, median: float, dispersion: float, edges: Array) -> Array:
-    """Integrate a lognormal fragility over a hazard curve, between edges, by quadrature."""
+    """Integrate a lognormal fragility over a hazard curve, between edges."""
     held = exceedance(edges, median, dispersion) * hazard.frequency(edges)
     # by parts: the integral of P over -dH is that of H over dP, and P H at the edges
     held = np.concatenate([[0.0], held, [0.0]])
@@ -413,50 +413,26 @@ def integrate(hazard: Hazard, median: float, dispersion: float, edges: Array) ->
         inside = np.zeros(edges.size + 1)
         # the step is above the median: one at an edge belongs to the bin above it
         inside[np.searchsorted(edges, median, side="right")] = hazard.frequency(median)
-        return inside + held[:-1] - held[1:]
-    centre = math.log(median)
-    cuts = (np.log(edges) - centre) / dispersion
-    low = -float(hazard.exponents.max()) * dispersion - _REACH
-    cuts = np.clip(np.concatenate([[low], cuts, [_REACH]]), low, _REACH).tolist()
-    knots = (hazard.knots - centre) / dispersion
-    inside = np.array(
-        [_quadrature(hazard, centre, dispersion, ends, knots) for ends in itertools.pairwise(cuts)]
-    )
+    else:
+        ends = itertools.pairwise([0.0, *edges.tolist(), math.inf])
+        inside = np.array([closed_form(hazard, median, dispersion, *pair) for pair in ends])
     return inside + held[:-1] - held[1:]
 
 
-def _quadrature(
-    hazard: Hazard, centre: float, dispersion: float, ends: tuple[float, float], knots: Array
-) -> float:
-    """Integrate the hazard over the capacity's distribution between two standard deviations."""
-    a, b = ends
-    if b <= a:
-        return 0.0
-    breaks = np.unique(np.concatenate([[a, b], knots[(knots > a) & (knots < b)]]))
-    total = 0.0
-    for left, right in itertools.pairwise(breaks.tolist()):
-        part = np.searchsorted(hazard.knots, centre + dispersion * 0.5 * (left + right))
-        steepness = max(1.0, float(hazard.exponents[part]) * dispersion / _STEEP)
-        n = max(1, math.ceil((right - left) * steepness))
-        points = np.linspace(left, right, n + 1)
-        half = 0.5 * np.diff(points)[:, None]
-        z = 0.5 * (points[:-1] + points[1:])[:, None] + half * _NODES
-        u = centre + dispersion * z
-        # one exponential: the hazard alone may overflow where the density vanishes
-        values = np.exp(hazard.factors[part] - hazard.exponents[part] * u - 0.5 * z**2)
-        total += float(np.sum(half * _WEIGHTS * values))
-    return total / math.sqrt(2 * math.pi)
-
-
 def closed_form(
-    hazard: Hazard, median: npt.ArrayLike, dispersion: npt.ArrayLike, below: float = math.inf
+    hazard: Hazard,
+    median: npt.ArrayLike,
+    dispersion: npt.ArrayLike,
+    above: float = 0.0,
+    below: float = math.inf,
 ) -> Array:
-    """Sum the closed forms of the power laws of a hazard curve."""
+    """Integrate a hazard over a lognormal capacity by the closed forms of its power laws."""
     median, dispersion = np.broadcast_arrays(*map(np.asarray, (median, dispersion)))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         centre = np.log(median)[..., None]
         beta = np.asarray(dispersion, dtype=float)[..., None]
-        ends = np.minimum(np.concatenate([[-math.inf], hazard.knots, [math.inf]]), math.log(below))
+        ends = np.concatenate([[-math.inf], hazard.knots, [math.inf]])
+        ends = np.clip(ends, *np.log([above, below]))
         k = hazard.exponents
         # exp(k^2 beta^2 / 2) turns the density into one whose mean is lower by k beta
         cuts = np.where(beta > 0, (ends - centre) / beta, np.where(ends >= centre, 1, -1) * 1e9)
@@ -474,8 +450,7 @@ def _outside(hazard: Hazard, medians: Array, dispersions: Array, total: Array) -
     low, high = hazard.limits
     if low == 0.0:
         return np.zeros(medians.size)
-    inside = closed_form(hazard, medians, dispersions, high)
-    inside -= closed_form(hazard, medians, dispersions, low)
+    inside = closed_form(hazard, medians, dispersions, low, high)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.clip(1 - inside / total, 0.0, 1.0)
 

@@ -7,6 +7,7 @@ import dataclasses
 import math
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -226,29 +227,38 @@ def cost(
 
 def _compared(case: Case, target: float, report: Progress) -> Cost:
     """Measure all methods and current practices beside the reference."""
-    tasks = [*_practices(case), *_methods(case)]
+    tasks = _tasks(case)
     # the reference and two rounds of all rows
     total = 2 * len(tasks) + 1
     report(0, total)
     reference, facts = _reference(case, lambda: report(0, total))
     report(1, total)
-    stopwatch = _Stopwatch()
+    started = time.monotonic()
+
+    def budget() -> float:
+        """Return the time for the repetitions of the next row, 0 for a single run [s]."""
+        return _ROW_SECONDS if time.monotonic() - started < _ALL_SECONDS else 0.0
+
     rows: list[Row] = []
     for label, rtol, measure in tasks:
-        rows.append(_row((label, rtol, measure), stopwatch.budget(), reference, facts["peak"]))
+        rows.append(_row((label, rtol, measure), budget(), reference, facts["peak"]))
         report(len(rows) + 1, total)
     # a second round, because the load of the machine varies
     differences: list[float] = []
     for i, (_, _, measure) in enumerate(tasks):
-        if rows[i].status == "ok" and stopwatch.budget() > 0:
-            one, other = rows[i].seconds, measure(stopwatch.budget()).seconds
+        if rows[i].status == "ok" and budget() > 0:
+            one, other = rows[i].seconds, measure(budget()).seconds
             rows[i] = dataclasses.replace(rows[i], seconds=min(one, other))
             differences.append(_ratio(abs(one - other), min(one, other)))
         report(len(rows) + i + 2, total)
     practices, rows = rows[: len(PRACTICES)], rows[len(PRACTICES) :]
     disagreement = float(np.quantile(differences, 0.9)) if differences else math.nan
     best = cheapest(rows, target)
-    return Cost(_add_verdict(facts, rows), rows, practices, target, best, disagreement)
+    # the reference is two digits better than the best row (or at round-off)
+    errors = [row.relative_error for row in rows if row.status == "ok"]
+    most = max(min(errors, default=0.0), _ROUND_OFF)
+    facts["good_enough"] = facts["relative_error"] * _DIGITS_BETTER <= most
+    return Cost(facts, rows, practices, target, best, disagreement)
 
 
 def _asked(case: Case, quantity: str | None) -> Case:
@@ -261,38 +271,21 @@ def _asked(case: Case, quantity: str | None) -> Case:
     return case.replace(solver={"rtol": None, "accuracy": 1e-6, "accuracy_of": found.key})
 
 
-class _Stopwatch:
-    """Time budget for repetitions: a fixed time per row until the total is spent."""
-
-    def __init__(self) -> None:
-        self.started = time.monotonic()
-
-    def budget(self) -> float:
-        """Return the time for the repetitions of the next row, 0 for a single run [s]."""
-        left = _ALL_SECONDS - (time.monotonic() - self.started)
-        return _ROW_SECONDS if left > 0 else 0.0
-
-
-def _practices(case: Case) -> list[_Task]:
-    return [(label, math.nan, _practice(case, name, divisor)) for label, name, divisor in PRACTICES]
-
-
-def _methods(case: Case) -> list[_Task]:
+def _tasks(case: Case) -> list[_Task]:
+    """List procedures of current practice, then methods at all tolerances."""
     methods: tuple[str, ...] = METHODS
     with contextlib.suppress(InputError):
         case.replace(solver={"method": PAPER})
         methods += (PAPER,)
-    return [
-        (method, rtol, _method(case, method, rtol)) for method in methods for rtol in TOLERANCES
+    practices: list[_Task] = [
+        (label, math.nan, partial(_measure.measure_fixed_steps, case, name, divisor))
+        for label, name, divisor in PRACTICES
     ]
-
-
-def _method(case: Case, method: str, rtol: float) -> Callable[[float], Measurement]:
-    return lambda budget: _measure.measure_method(case, method, rtol, budget)
-
-
-def _practice(case: Case, name: str, divisor: float) -> Callable[[float], Measurement]:
-    return lambda budget: _measure.measure_fixed_steps(case, name, divisor, budget)
+    return practices + [
+        (method, rtol, partial(_measure.measure_method, case, method, rtol))
+        for method in methods
+        for rtol in TOLERANCES
+    ]
 
 
 class _TooSlowError(Exception):
@@ -336,15 +329,7 @@ def _double_reference(case: Case) -> Reference:
     """Compute the reference at two tolerances in double precision."""
     loose, tight = (_measure.measure_method(case, "taylor", rtol, 0.0) for rtol in _DOUBLE)
     differences = {name: abs(tight.values[name] - loose.values[name]) for name in tight.values}
-    fields = {field.name: getattr(tight, field.name) for field in dataclasses.fields(tight)}
-    return Reference(**fields, differences=differences)
-
-
-def _add_verdict(facts: dict[str, Any], rows: list[Row]) -> dict[str, Any]:
-    """Add whether the reference is two digits better than the best row (or at round-off)."""
-    errors = [row.relative_error for row in rows if row.status == "ok"]
-    best = max(min(errors, default=0.0), _ROUND_OFF)
-    return facts | {"good_enough": facts["relative_error"] * _DIGITS_BETTER <= best}
+    return Reference(**vars(tight), differences=differences)
 
 
 def _row(task: _Task, budget: float, reference: Reference, peak: str) -> Row:

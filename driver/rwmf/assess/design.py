@@ -12,9 +12,7 @@ import numpy.typing as npt
 
 from rwmf.assess.targets import (
     COLLAPSE,
-    DESIGNS,
     Cost,
-    DesignRequest,
     SuiteRuns,
     Target,
     Variable,
@@ -336,14 +334,14 @@ def design(
         When an argument is not acceptable, or SciPy is not installed.
     """
     case = case_of(case)
-    request = request_of(case) or DesignRequest({}, (), {}, (), None, None, DESIGNS)
-    bounds = request.bounds if bounds is None else bounds
-    targets = request.targets if targets is None else targets
-    cost = request.cost if cost is None else cost
+    asked = request_of(case)
+    bounds = asked["bounds"] if bounds is None else bounds
+    targets = asked["targets"] if targets is None else targets
+    cost = asked["cost"] if cost is None else cost
     if records is None:
-        records, unit = request.records, unit or request.unit
-        left_out = request.left_out if left_out is None else left_out
-    designs = request.designs if designs is None else designs
+        records, unit = asked["records"], unit or asked["unit"]
+        left_out = asked["left_out"] if left_out is None else left_out
+    designs = asked["designs"] if designs is None else designs
     to_whole("designs", designs, 1)
     if left_out is not None:
         left_out = _listed("left_out", left_out)

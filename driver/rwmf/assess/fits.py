@@ -126,6 +126,11 @@ class Fit:
     slope: Array | None = None
     scatter: Array | None = None
 
+    def __getitem__(self, part: slice) -> Fit:
+        """Return the fits of some resamples."""
+        optional = (None if item is None else item[part] for item in (self.slope, self.scatter))
+        return Fit(self.median[part], self.dispersion[part], *optional)
+
 
 def fit_counts(levels: Array, exceeded: Array, runs: Array) -> Fit:
     """Fit counts of exceedance by maximum likelihood (Baker 2015, Earthquake Spectra 31(1))."""
@@ -185,9 +190,12 @@ def fit_capacities(logarithms: Array, kinds: Kinds, weights: Array) -> Fit:
         exact = y[kind == EXACT]
         if exact.size == 0:
             mean[i] = math.inf if (kind == OVER).all() else -math.inf
-        elif np.ptp(exact) <= _ROUNDING * max(1.0, np.abs(exact).max()) and _holds(
-            exact[0], y, kind
+        elif (
+            np.ptp(exact) <= _ROUNDING * max(1.0, np.abs(exact).max())
+            and (y[kind == OVER] <= exact[0]).all()
+            and (y[kind == BELOW] >= exact[0]).all()
         ):
+            # one value satisfies all bounds
             mean[i], scatter[i] = exact[0], 0.0
         else:
             regular[i] = True
@@ -201,11 +209,6 @@ def fit_capacities(logarithms: Array, kinds: Kinds, weights: Array) -> Fit:
         scatter[regular] = spread / g
     total = weights.sum(axis=1)
     return Fit(np.exp(mean), scatter * np.sqrt(total / np.maximum(total - 1, 1)))
-
-
-def _holds(value: float, y: Array, kind: Kinds) -> bool:
-    """Return True when a single value satisfies all bounds."""
-    return bool((y[kind == OVER] <= value).all() and (y[kind == BELOW] >= value).all())
 
 
 def fit_cloud(

@@ -23,10 +23,11 @@ from rwmf.assess.fits import (
     fit_counts,
 )
 from rwmf.assess.loss import shape_factor_of
-from rwmf.assess.table import fallen, quantities_of, read_table, warnings_of
+from rwmf.assess.table import quantities_of, read_table, warnings_of
 from rwmf.case.arguments import checked, texts_of
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
+from rwmf.run.quantities import fallen
 
 Array = npt.NDArray[np.float64]
 METHODS = ("counts", "capacities", "cloud")
@@ -359,34 +360,31 @@ def _check_some(rows: xr.Dataset, question: _Question, label: str) -> None:
     x = rows["intensity"].values
     if "exceeded" in rows:
         none, every = not rows["exceeded"].any(), bool((rows["exceeded"] == rows["runs"]).all())
-        smallest = largest = ""
+        ends: tuple[str, ...] = ("", "")
     else:
         over, known = question.exceeded(rows)
         if not known.any():
             raise InputError(f"{label}: {question.label}: no run has a result")
         none, every = not over[known].any(), bool(over[known].all())
-        values = None if question.quantity == COLLAPSE else rows[question.quantity].values[known]
-        smallest, largest = (
-            ("", "")
-            if values is None
-            else (
-                f": the smallest {question.quantity} is {values.min():.6g}, "
-                f"the limit {question.limit:g}",
-                f": the largest {question.quantity} is {values.max():.6g}, "
-                f"the limit {question.limit:g}",
-            )
+        values = rows[question.quantity].values[known] if question.quantity != COLLAPSE else ()
+        extremes = {"smallest": np.min, "largest": np.max}
+        ends = tuple(
+            f": the {word} {question.quantity} is {find(values):.6g}, the limit {question.limit:g}"
+            if len(values)
+            else ""
+            for word, find in extremes.items()
         )
     if question.method == "cloud":
         return
     failure = "collapses" if question.quantity == COLLAPSE else "exceeds the limit"
     if none:
         raise InputError(
-            f"{label}: no run {failure}{largest}: the median is above the highest intensity "
+            f"{label}: no run {failure}{ends[1]}: the median is above the highest intensity "
             f"{x.max():g}: give higher levels or a lower limit"
         )
     if every:
         raise InputError(
-            f"{label}: every run {failure}{smallest}: the median is below the lowest intensity "
+            f"{label}: every run {failure}{ends[0]}: the median is below the lowest intensity "
             f"{x.min():g}: give lower levels or a higher limit"
         )
 
@@ -437,11 +435,7 @@ def _resample(question: _Question, names: npt.NDArray[Any]) -> Array:
 
 def _split(fit: Fit) -> tuple[Fit, Fit | None]:
     """Separate the sample from its resamples."""
-    parts = [fit.median, fit.dispersion, fit.slope, fit.scatter]
-    first = Fit(*(None if part is None else part[:1] for part in parts))  # type: ignore[arg-type]
-    if len(fit.median) == 1:
-        return first, None
-    return first, Fit(*(None if part is None else part[1:] for part in parts))  # type: ignore[arg-type]
+    return fit[:1], fit[1:] if len(fit.median) > 1 else None
 
 
 def _counts(

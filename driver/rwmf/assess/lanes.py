@@ -34,7 +34,7 @@ from rwmf.errors import InputError
 from rwmf.kernel.numbers import float_of, show
 from rwmf.kernel.progress import Progress
 from rwmf.motion.record_sets import RecordFile, find_records
-from rwmf.run.quantities import ENDINGS, find_quantities, refuse_missing
+from rwmf.run.quantities import fallen, find_quantities, refuse_missing
 from rwmf.sweeps.axes import Axis, Scene, grid_axis, key_of_column, name_axes, record_axis
 from rwmf.sweeps.computation import sweep
 from rwmf.sweeps.points import Points, point_axis
@@ -217,7 +217,7 @@ class Lanes:
                 self._progress(finished + done, self.runs)
 
         values = np.full((len(requests), len(self._names)), np.nan)
-        fallen = np.zeros(len(requests), dtype=bool)
+        has_fallen = np.zeros(len(requests), dtype=bool)
         # a column has one number a row: each change of a list needs another sweep. A default
         # that follows other keys has no column where these change
         groups: dict[tuple[int, float], list[int]] = {}
@@ -241,10 +241,8 @@ class Lanes:
             refuse_missing(found, self._names, "quantities")
             for i, name in enumerate(self._names):
                 values[places, i] = found[name].values
-            names = found["status"].attrs["flag_meanings"].split()
-            ends = [names.index(name) for name in ENDINGS if name in names]
-            fallen[places] = np.isin(found["status"].values, ends)
-        return values, fallen
+            has_fallen[places] = fallen(found)
+        return values, has_fallen
 
     def _table(self, requests: Sequence[Request]) -> dict[str, list[Any]]:
         """Make the table of points of some runs."""
@@ -450,9 +448,9 @@ class Steps:
         for row, i, k in places:
             value = self._lanes.values[row, i] + offsets[row, i, k] * self.scales[row, i]
             requests.append(Request(int(row), int(i), float(value), rtol))
-        found, fallen = self._lanes.run(requests)
+        found, has_fallen = self._lanes.run(requests)
         if self._statistic is not None:
-            found[fallen] = np.inf
+            found[has_fallen] = np.inf
         centre = np.full((len(offsets), found.shape[1]), np.nan)
         centre[rows] = found[:n_centres]
         values = np.full((*offsets.shape, found.shape[1]), np.nan)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
@@ -11,12 +12,13 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf.assess.table import fallen, quantities_of
+from rwmf.assess.table import quantities_of
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.kernel import files
 from rwmf.kernel.names import xml_text
 from rwmf.kernel.numbers import show, to_items, to_number
+from rwmf.run.quantities import fallen
 
 # expected epsilon of the rare motion by seismic design category
 _EPSILONS = dict.fromkeys(("B", "C", "DMIN"), 1.0) | {"DMAX": 1.5}
@@ -70,23 +72,25 @@ _IMTS = {"peak_acceleration": "PGA", "average_acceleration": "AvgSA"}
 
 def loss_quantities(case: Case) -> list[str]:
     """List the demands of a structure that pelicun takes."""
-    known = case.replace(output={"reactions": True}).kernel.applicable()
-    found: dict[str, str] = {}
-    for pattern, kind, _ in _DEMANDS:
-        for name in known:
-            match = re.fullmatch(pattern, name)
-            if match:
-                found.setdefault(_column(kind, match[1]), name)
+    found = _demands(case.replace(output={"reactions": True}).kernel.applicable())
+    names = [name for name, _ in found.values()]
     # the drift of a roof is that of the only storey
-    if "1-PID-2-1" in found or any(name.startswith("storey_1_") for name in found.values()):
-        found = {key: name for key, name in found.items() if not name.startswith("roof_")}
-    if not found:
+    if "1-PID-2-1" in found or any(name.startswith("storey_1_") for name in names):
+        names = [name for name in names if not name.startswith("roof_")]
+    if not names:
         raise InputError("pelicun: the case has no storey or floor with demands")
-    return list(found.values())
+    return names
 
 
-def _column(kind: str, place: str) -> str:
-    return f"1-{kind}-{'1' if place == 'roof' else place}-1"
+def _demands(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Return name and unit of each demand by its column in pelicun."""
+    found: dict[str, tuple[str, str]] = {}
+    for pattern, kind, unit in _DEMANDS:
+        for name in names:
+            if match := re.fullmatch(pattern, name):
+                place = "1" if match[1] == "roof" else match[1]
+                found.setdefault(f"1-{kind}-{place}-1", (name, unit))
+    return found
 
 
 def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
@@ -133,15 +137,11 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
 def _pelicun_columns(table: xr.Dataset) -> dict[str, tuple[npt.NDArray[np.float64], str]]:
     """Return values in pelicun's units, and the unit, by the name of the column there."""
     g = float(table.attrs.get("g", _G))
-    factors = {"mps2": g}
     names = quantities_of(table)
-    found: dict[str, tuple[npt.NDArray[np.float64], str]] = {}
-    for pattern, kind, unit in _DEMANDS:
-        for name in names:
-            match = re.fullmatch(pattern, name)
-            if match and _column(kind, match[1]) not in found:
-                values = np.abs(table[name].values) * factors.get(unit, 1.0)
-                found[_column(kind, match[1])] = (values, unit)
+    found = {
+        column: (np.abs(table[name].values) * (g if unit == "mps2" else 1.0), unit)
+        for column, (name, unit) in _demands(names).items()
+    }
     if not found:
         raise InputError(
             f"pelicun: none of {', '.join(names) or 'no quantity'} is a demand of it: give "

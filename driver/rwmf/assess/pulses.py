@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -19,13 +19,15 @@ import xarray as xr
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError
-from rwmf.kernel import results, tables
+from rwmf.kernel import tables
 from rwmf.kernel.names import readable
 from rwmf.kernel.progress import Reports, reporting
 from rwmf.run import simulation
 from rwmf.run.quantities import ORDINATES as QUANTITIES
 from rwmf.run.quantities import Quantity, ending_of, find_quantity
 from rwmf.sweeps.executors import count_threads
+
+_T = TypeVar("_T")
 
 
 def origin_of(case: Case) -> dict[str, str]:
@@ -75,6 +77,30 @@ class Pulse:
         )
 
 
+def _in_threads(
+    work: Callable[[float], _T],
+    items: Sequence[float],
+    threads: int,
+    progress: Reports,
+    unit: str,
+) -> list[_T]:
+    """Compute the results of all items, in their order."""
+    found: list[_T] = []
+    with (
+        reporting(progress, unit) as report,
+        ThreadPoolExecutor(count_threads(threads)) as executor,
+    ):
+        try:
+            for result in executor.map(work, items):
+                found.append(result)
+                if report is not None:
+                    report(len(found), len(items))
+        except BaseException:
+            executor.shutdown(wait=False, cancel_futures=True)
+            raise
+    return found
+
+
 # outcome without overturning; other outcomes are numbers of impacts before overturning
 SURVIVES = -1
 # simulated time after the pulse in 1/p; a shorter time would move the boundaries
@@ -107,8 +133,7 @@ class Wall:
         return cls(math.atan2(b, h), math.sqrt(0.75 * float(case.model.g) / math.hypot(h, b)))
 
 
-@dataclass(frozen=True)
-class _Boundary:
+class _Boundary(NamedTuple):
     """A change of the outcome along the amplitude axis."""
 
     omega: float
@@ -175,21 +200,9 @@ def overturning_map(
     def follow(omega: float) -> tuple[list[int], list[_Boundary]]:
         return _scan(pulse, wall, omega, levels, tolerance)
 
-    results = []
-    with (
-        reporting(progress, "scan") as report,
-        ThreadPoolExecutor(count_threads(threads)) as executor,
-    ):
-        try:
-            for result in executor.map(follow, frequencies):
-                results.append(result)
-                if report is not None:
-                    report(len(results), len(frequencies))
-        except BaseException:
-            executor.shutdown(wait=False, cancel_futures=True)
-            raise
-    outcomes = [outcome for outcome, _ in results]
-    boundaries = [item for _, found in results for item in found]
+    scans = _in_threads(follow, frequencies, threads, progress, "scan")
+    outcomes = [outcome for outcome, _ in scans]
+    boundaries = [item for _, found in scans for item in found]
     found = _to_dataset(wall, frequencies, levels, outcomes, boundaries)
     return found.assign(_factor(pulse, wall)).assign_attrs(origin_of(case), pulse=case.motion.kind)
 
@@ -252,34 +265,25 @@ def _to_dataset(
     outcomes: list[list[int]],
     boundaries: list[_Boundary],
 ) -> xr.Dataset:
-    amplitudes = np.array([item.amplitude for item in boundaries])
-    texts = {
-        "omega_over_p": "frequency of the pulse over p",
-        "amplitude": "a_p/(alpha g)",
-        "outcome": "impacts before overturning, -1: the wall stays",
-        "boundary_omega_over_p": "frequency of the pulse over p at the boundary",
-        "boundary_amplitude": "a_p/(alpha g) at the boundary",
-        "boundary_amplitude_over_g_tan_alpha": "a_p/(g tan(alpha)) at the boundary",
-        "below": "outcome below the boundary",
-        "above": "outcome above the boundary",
+    omega, at, below, above = np.array(boundaries, dtype=float).reshape(-1, 4).T
+    over = ("omega_over_p", "amplitude")
+    rows = (
+        (over[0], over[0], frequencies, "frequency of the pulse over p"),
+        (over[1], over[1], levels, "a_p/(alpha g)"),
+        ("outcome", over, np.array(outcomes, dtype="i4"),
+         "impacts before overturning, -1: the wall stays"),
+        ("boundary_omega_over_p", "boundary", omega,
+         "frequency of the pulse over p at the boundary"),
+        ("boundary_amplitude", "boundary", at, "a_p/(alpha g) at the boundary"),
+        ("boundary_amplitude_over_g_tan_alpha", "boundary", at * wall.alpha / math.tan(wall.alpha),
+         "a_p/(g tan(alpha)) at the boundary"),
+        ("below", "boundary", below.astype("i4"), "outcome below the boundary"),
+        ("above", "boundary", above.astype("i4"), "outcome above the boundary"),
+    )  # fmt: skip
+    labelled: dict[str, tuple[Any, ...]] = {
+        name: (dims, values, {"units": "1", "long_name": text}) for name, dims, values, text in rows
     }
-    values = {
-        "omega_over_p": ("omega_over_p", frequencies),
-        "amplitude": ("amplitude", levels),
-        "outcome": (("omega_over_p", "amplitude"), np.array(outcomes, dtype="i4")),
-        "boundary_omega_over_p": ("boundary", [item.omega for item in boundaries]),
-        "boundary_amplitude": ("boundary", amplitudes),
-        "boundary_amplitude_over_g_tan_alpha": (
-            "boundary",
-            amplitudes * wall.alpha / math.tan(wall.alpha),
-        ),
-        "below": ("boundary", np.array([item.below for item in boundaries], dtype="i4")),
-        "above": ("boundary", np.array([item.above for item in boundaries], dtype="i4")),
-    }
-    labelled = {
-        name: (*value, {"units": "1", "long_name": texts[name]}) for name, value in values.items()
-    }
-    axes = {name: labelled.pop(name) for name in ("omega_over_p", "amplitude")}
+    axes = {name: labelled.pop(name) for name in over}
     labelled["alpha"] = ((), wall.alpha, {"units": "rad", "long_name": "slenderness atan(b/h)"})
     labelled["p"] = ((), wall.p, {"units": "rad/s", "long_name": "frequency parameter of the wall"})
     return xr.Dataset(labelled, axes)
@@ -352,20 +356,13 @@ def equal_response(
         if not 0 < value < np.inf:
             raise InputError(f"equal response: {word} = {value:g}: must be finite and > 0")
     periods = [float(value) for value in T_p]
-    search = _Search(pulse, _PERIODS_AFTER * period.value, response, target)
-    amplitudes: list[float] = []
-    with (
-        reporting(progress, "period") as report,
-        ThreadPoolExecutor(count_threads(threads)) as executor,
-    ):
-        try:
-            for found in executor.map(lambda T: _climb(search, T, tolerance), periods):
-                amplitudes.append(found)
-                if report is not None:
-                    report(len(amplitudes), len(periods))
-        except BaseException:
-            executor.shutdown(wait=False, cancel_futures=True)
-            raise
+    follow = _PERIODS_AFTER * period.value
+
+    def find(T: float) -> float:
+        return _climb(lambda size: _reaches(pulse.resized(size, T, follow), response, target),
+                      tolerance)  # fmt: skip
+
+    amplitudes = _in_threads(find, periods, threads, progress, "period")
     unit = "" if response.unit == "1" else f" {response.unit}"
     text = f"amplitude over g for {name} = {target:g}{unit}"
     return xr.Dataset(
@@ -379,43 +376,21 @@ def equal_response(
     )
 
 
-@dataclass(frozen=True)
-class _Search:
-    """Target and conditions of the search.
-
-    Attributes
-    ----------
-    pulse : Pulse
-        The pulse.
-    follow : float
-        Simulated time after the pulse [s].
-    quantity : Quantity
-        The response.
-    target : float
-        Target value [its unit].
-    """
-
-    pulse: Pulse
-    follow: float
-    quantity: Quantity
-    target: float
-
-    def is_reached(self, T_p: float, amplitude: float) -> bool:
-        """Run one pulse; a run that ended early exceeds every target."""
-        changed = self.pulse.resized(amplitude, T_p, self.follow)
-        with results.start_simulation(changed.kernel, changed.label) as run:
-            summary = run.summary()
-        if ending_of(summary) != "ok":
-            return True
-        if self.quantity.key not in summary:
-            raise InputError(f"equal response: {self.quantity.key}: no run of the case reports it")
-        return float(summary[self.quantity.key]) >= self.target
+def _reaches(case: Case, quantity: Quantity, target: float) -> bool:
+    """Run one pulse; a run that ended early exceeds every target."""
+    with simulation.start(case) as run:
+        summary = run.summary()
+    if ending_of(summary) != "ok":
+        return True
+    if quantity.key not in summary:
+        raise InputError(f"equal response: {quantity.key}: no run of the case reports it")
+    return float(summary[quantity.key]) >= target
 
 
-def _climb(search: _Search, T_p: float, tolerance: float) -> float:
+def _climb(is_reached: Callable[[float], bool], tolerance: float) -> float:
     """Increase the amplitude until it reaches the target, then bisect."""
     low, high = _LOWEST, _LOWEST
-    while not search.is_reached(T_p, high):
+    while not is_reached(high):
         low, high = high, high * _GROWTH
         if high > _HIGHEST:
             return np.nan
@@ -423,7 +398,7 @@ def _climb(search: _Search, T_p: float, tolerance: float) -> float:
         middle = 0.5 * (low + high)
         if middle in (low, high):
             break
-        if search.is_reached(T_p, middle):
+        if is_reached(middle):
             high = middle
         else:
             low = middle

@@ -11,32 +11,13 @@ from rwmf.case.arguments import array_of, checked
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import show, to_array, to_items
 from rwmf.run.arguments import dataset_of
-from rwmf.run.quantities import ENDINGS
+from rwmf.run.quantities import fallen
 
 
 def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
     """Return a quantity of a sweep, infinite for overturning or collapse."""
-    status = dataset["status"]
-    # a sweep has numbers, a spectrum names
-    names = str(status.attrs.get("flag_meanings", "")).split()
-    fallen = status.isin([names.index(name) if names else name for name in ENDINGS
-                          if name in names or not names])  # fmt: skip
-    return dataset[name].where(~fallen, np.inf).assign_attrs(dataset[name].attrs)
-
-
-def _of_ranks(values: xr.DataArray, shares: np.ndarray, dim: str) -> xr.DataArray:
-    """Compute quantiles over a dimension."""
-    axis = values.get_axis_num(dim)
-    # linear interpolation between a number and infinity would give infinity or NaN
-    found = np.nanquantile(values.values, shares, axis=axis, method="inverted_cdf")
-    kept = values.isel({dim: 0}, drop=True)
-    return xr.DataArray(
-        found,
-        dims=("quantile", *kept.dims),
-        coords=kept.coords,
-        name=values.name,
-        attrs=values.attrs,
-    )
+    stands = dataset["status"].copy(data=~fallen(dataset))
+    return dataset[name].where(stands, np.inf).assign_attrs(dataset[name].attrs)
 
 
 @checked
@@ -86,7 +67,7 @@ def quantile(
     shares = to_array("q", [q] if is_one else q, least=1)
     if not ((shares >= 0) & (shares <= 1)).all():
         raise InputError(f"q = {show(q)}: must be in [0, 1]")
-    values = with_overturning(dataset, quantity)
-    found = _of_ranks(array_of(values, dim), shares, dim)
-    found = found.assign_coords(quantile=("quantile", shares))
+    values = array_of(with_overturning(dataset, quantity), dim)
+    # linear interpolation between a number and infinity would give infinity or NaN
+    found = values.quantile(shares, dim, method="inverted_cdf", keep_attrs=True, skipna=True)
     return found.isel(quantile=0) if is_one else found

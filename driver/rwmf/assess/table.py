@@ -18,13 +18,13 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf.case.arguments import checked, path_of, texts_of
+from rwmf.case.arguments import checked, texts_of
 from rwmf.errors import InputError
 from rwmf.kernel import files
-from rwmf.kernel.files import new_file
+from rwmf.kernel.files import new_file, path_of
 from rwmf.kernel.names import readable, shorten
 from rwmf.kernel.numbers import first_masked, show, to_array
-from rwmf.run.quantities import ENDINGS, find_quantities
+from rwmf.run.quantities import ENDINGS, fallen, find_quantities
 from rwmf.sweeps import netcdf
 from rwmf.sweeps.points import is_netcdf, read_csv, read_netcdf
 
@@ -125,11 +125,6 @@ def _labels(name: str) -> dict[str, str]:
 def quantities_of(table: xr.Dataset) -> list[str]:
     """List the demands of a table."""
     return [str(name) for name in table.data_vars if name not in COLUMNS]
-
-
-def fallen(table: xr.Dataset) -> npt.NDArray[np.bool_]:
-    """Find the runs that ended by overturning or collapse."""
-    return np.isin(table["status"].values.astype(str), ENDINGS)
 
 
 def read_table(source: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)

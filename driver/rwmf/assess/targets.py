@@ -17,7 +17,7 @@ from rwmf.kernel.numbers import show, to_array, to_items, to_number
 from rwmf.kernel.progress import Progress
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.checks import Limit, limits_of
-from rwmf.run.quantities import ENDINGS, default_quantity, find_quantities, refuse_missing
+from rwmf.run.quantities import default_quantity, fallen, find_quantities, refuse_missing
 from rwmf.sweeps.axes import PAIRS, SCALE, SETTINGS, column_in, key_of_column, kind_of
 from rwmf.sweeps.computation import sweep
 from rwmf.sweeps.plan import united
@@ -28,42 +28,13 @@ DESIGNS = 300
 _PERCENTILE = 84.0
 
 
-@dataclass(frozen=True)
-class DesignRequest:
-    """Arguments of `rwmf.design` that a case gives.
-
-    Attributes
-    ----------
-    bounds : dict of str to (float, float)
-        Lower and upper bound by key.
-    targets : tuple of dict
-        Limits of the case, and the probability of collapse.
-    cost : dict of str to float
-        Weights by key.
-    records : tuple of str
-        Files or patterns from the current folder.
-    left_out : tuple of str or None
-        Records that judge the design; None for every fourth one.
-    unit : str or None
-        Unit of the records.
-    designs : int
-        Number of designs of the first stage.
-    """
-
-    bounds: dict[str, tuple[float, float]]
-    targets: tuple[dict[str, Any], ...]
-    cost: dict[str, float]
-    records: tuple[str, ...]
-    left_out: tuple[str, ...] | None
-    unit: str | None
-    designs: int
-
-
-def request_of(case: Case) -> DesignRequest | None:
-    """Read the group `&design` of a case."""
+def request_of(case: Case) -> dict[str, Any]:
+    """Return the arguments of `rwmf.design` that `&design` of a case gives."""
     group = case.design
+    found: dict[str, Any] = {"bounds": {}, "targets": (), "cost": {}, "records": ()}
+    found |= {"left_out": None, "unit": None, "designs": DESIGNS}
     if group is None:
-        return None
+        return found
     names = group.parameters
     twice = [name for name in names if names.count(name) > 1]
     if twice:
@@ -80,15 +51,17 @@ def request_of(case: Case) -> DesignRequest | None:
             | {"scale": group.collapse_scale}
         )
     folder = Path(case.source or "").parent
-    return DesignRequest(
-        dict(zip(names, zip(group.low, group.high, strict=True), strict=True)),
-        tuple(targets),
-        dict(zip(names, group.cost, strict=True)),
-        tuple(located(folder, word) for word in (group.records if "records" in group else ())),
-        tuple(located(folder, word) for word in group.left_out) if "left_out" in group else None,
-        group.unit if "unit" in group else None,
-        group.designs,
-    )
+    # files or patterns of records, as seen from the current folder
+    for name in ("records", "left_out"):
+        if name in group:
+            found[name] = tuple(located(folder, word) for word in getattr(group, name))
+    return found | {
+        "bounds": dict(zip(names, zip(group.low, group.high, strict=True), strict=True)),
+        "targets": targets,
+        "cost": dict(zip(names, group.cost, strict=True)),
+        "unit": group.unit if "unit" in group else None,
+        "designs": group.designs,
+    }
 
 
 Array = npt.NDArray[np.float64]
@@ -156,12 +129,12 @@ class Target:
         factor = f", motions times {self.scale:g}" if self.scale != 1 else ""
         return f"{goal} in {100 * self.share:g} % of the motions{factor}"
 
-    def value_of(self, values: Array, fallen: npt.NDArray[np.bool_]) -> float:
+    def value_of(self, values: Array, down: npt.NDArray[np.bool_]) -> float:
         """Return the quantile that the limit is for, or the share of collapses."""
         if self.quantity == COLLAPSE:
-            return float(fallen.mean())
+            return float(down.mean())
         # larger is worse; residuals have a sign
-        ranked = np.where(fallen, np.inf, -values if self.is_least else np.abs(values))
+        ranked = np.where(down, np.inf, -values if self.is_least else np.abs(values))
         # a rank that round-off moves past the next whole number
         share = max(self.share - 1e-12, 0.0)
         worst = float(np.quantile(ranked, share, method="inverted_cdf"))
@@ -365,15 +338,13 @@ class SuiteRuns:
         )
         refuse_missing(found, self._names, "targets")
         self.warnings = united([*self.warnings, *str(found.attrs["warnings"]).splitlines()])
-        names = found["status"].attrs["flag_meanings"].split()
-        ends = [names.index(name) for name in ENDINGS if name in names]
         shape = (-1, len(scales), len(designs))
-        fallen = np.isin(found["status"].values, ends).reshape(shape)
+        down = fallen(found).reshape(shape)
         values = {name: found[name].values.reshape(shape) for name in self._names}
         results = np.empty((len(designs), len(self._targets)))
         for j, item in enumerate(self._targets):
             k = scales.index(item.scale)
-            of = values.get(item.quantity, fallen.astype(float))
+            of = values.get(item.quantity, down.astype(float))
             for i in range(len(designs)):
-                results[i, j] = item.value_of(of[:, k, i], fallen[:, k, i])
+                results[i, j] = item.value_of(of[:, k, i], down[:, k, i])
         return results

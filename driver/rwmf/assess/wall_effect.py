@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from rwmf.assess.statistics import with_overturning
-from rwmf.case import Case, CaseLike
+from rwmf.case import CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.case.case import groups_of_wall
 from rwmf.errors import InputError
@@ -57,8 +57,6 @@ def restitution(case: CaseLike, *, start: float = 0.5) -> xr.Dataset:
     >>> round(float(rwmf.studies.restitution(case).e), 3)
     0.982
     """
-    import xarray as xr
-
     known = case_of(case)
     if known.base is None:
         raise InputError("restitution: the case must have the group &base")
@@ -139,7 +137,8 @@ def wall_effect(
             "wall effect: the case has no &frame whose displacement the wall could change. For the "
             "rotation of a free-standing wall use rwmf spectrum or rwmf sweep"
         )
-    names = tuple(find_quantities(tuple(quantities or _usual_responses(case))))
+    usual = _RESPONSES if case.storeys is not None else _RESPONSES[:1]
+    names = tuple(find_quantities(tuple(quantities or usual)))
     of_wall = [name for name in names if QUANTITIES[name].group in groups_of_wall()]
     if of_wall:
         raise InputError(f"wall effect: {of_wall[0]}: the frame alone has no such response")
@@ -160,10 +159,6 @@ def wall_effect(
         found |= {f"{name}_ratio": ratio, name: response, f"{name}_alone": plain}
     attributes = both.attrs | {"quantities": " ".join(names)}
     return xr.Dataset({"ratio": found[f"{names[0]}_ratio"]} | found, attrs=attributes)
-
-
-def _usual_responses(case: Case) -> tuple[str, ...]:
-    return _RESPONSES if case.storeys is not None else _RESPONSES[:1]
 
 
 def _shared_axes(grid: Mapping[str, object]) -> dict[str, object]:

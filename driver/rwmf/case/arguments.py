@@ -16,7 +16,7 @@ import numpy as np
 
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.errors import LOG, InputError, call_depth, warn
-from rwmf.kernel.names import problem_of_name
+from rwmf.kernel.files import path_of
 from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
 from rwmf.kernel.results import check_threads
 
@@ -35,17 +35,6 @@ def case_of(case: CaseLike) -> Case:
     if isinstance(case, Case):
         return case
     return Case.from_namelist(path_of("case", case, "a Case or the path of a namelist"))
-
-
-def path_of(name: str, value: object, wanted: str = "the path of a file") -> str:
-    """Return the text of a path."""
-    path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
-    if not isinstance(path, str):
-        raise InputError(f"{name} = {show(value)}: must be {wanted}")
-    problem = problem_of_name(path)
-    if problem is not None:
-        raise InputError(f"{name} = {show(value)}: {problem}")
-    return path
 
 
 def texts_of(name: str, value: object) -> list[str]:
@@ -68,41 +57,33 @@ def array_of(value: object, dim: str) -> xr.DataArray:
     return value
 
 
-def function_of(name: str, value: _F) -> _F:
-    """Return a function that the caller gives."""
-    if not callable(value):
-        raise InputError(f"{name} = {show(value)}: must be callable")
-    return value
+def _must_be(wanted: str, is_good: Callable[[Any], bool]) -> Callable[[str, _F], _F]:
+    """Make a check that returns the value itself."""
+
+    def check(name: str, value: _F) -> _F:
+        if not is_good(value):
+            raise InputError(f"{name} = {show(value)}: must be {wanted}")
+        return value
+
+    return check
 
 
-def _text(name: str, value: object) -> str:
-    if not isinstance(value, str):
-        raise InputError(f"{name} = {show(value)}: must be a text")
-    return value
+function_of = _must_be("callable", callable)
+_text = _must_be("a text", lambda value: isinstance(value, str))
+_mapping = _must_be("names with values", lambda value: isinstance(value, Mapping))
+_ax = _must_be("axes of matplotlib", lambda value: hasattr(value, "get_xaxis_transform"))
+_reports = _must_be(
+    "True, or a function (done, total)", lambda value: callable(value) or isinstance(value, bool)
+)
+_executor = _must_be(
+    "an executor, with a method submit", lambda value: callable(getattr(value, "submit", None))
+)
 
 
 def _truth(name: str, value: object) -> bool:
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{name} = {show(value)}: must be True or False")
     return bool(value)
-
-
-def _reports(name: str, value: object) -> object:
-    if not callable(value) and not isinstance(value, bool):
-        raise InputError(f"{name} = {show(value)}: must be True, or a function (done, total)")
-    return value
-
-
-def _executor(name: str, value: object) -> object:
-    if not callable(getattr(value, "submit", None)):
-        raise InputError(f"{name} = {show(value)}: must be an executor, with a method submit")
-    return value
-
-
-def _mapping(name: str, value: object) -> object:
-    if not isinstance(value, Mapping):
-        raise InputError(f"{name} = {show(value)}: must be names with values")
-    return value
 
 
 def _sequence(name: str, value: object) -> list[Any]:
@@ -120,12 +101,6 @@ def _part(name: str, value: object) -> tuple[int, int]:
         raise InputError(f"{name} = {show(value)}: must be two whole numbers (K, N)")
     k, n = (to_whole(name, item, 1) for item in items)
     return k, n
-
-
-def _ax(name: str, value: object) -> object:
-    if not hasattr(value, "get_xaxis_transform"):
-        raise InputError(f"{name} = {show(value)}: must be axes of matplotlib")
-    return value
 
 
 def _axes(name: str, value: object) -> object:
@@ -146,6 +121,14 @@ def _positives(name: str, value: object) -> list[float]:
     return [float(x) for x in to_array(name, value, above=0.0, least=1)]
 
 
+def _damping(name: str, value: object) -> float:
+    wanted = "in [0, 1)"
+    number = to_number(name, value, below=1.0, wanted=wanted)
+    if number < 0:
+        raise InputError(f"{name} = {show(value)}: must be {wanted}")
+    return number
+
+
 # by argument name; None is allowed where it is the default
 _CHECKS: dict[str, Check] = {
     "across": _truth,
@@ -153,7 +136,7 @@ _CHECKS: dict[str, Check] = {
     "ax": _ax,
     "axes": _axes,
     "chunk": lambda name, value: to_whole(name, value, 0, 10**15),
-    "damping": lambda name, value: _damping(name, value),
+    "damping": _damping,
     "component": _text,
     "dt": _positive,
     "executor": _executor,
@@ -194,19 +177,10 @@ _CHECKS: dict[str, Check] = {
     "threads": lambda name, value: check_threads(value, name),
     "tolerance": _positive,
     "T_p": _positives,
-    "uncertain": _mapping,
     "unit": _text,
     "variables": texts_of,
     "words": _sequence,
 }
-
-
-def _damping(name: str, value: object) -> float:
-    wanted = "in [0, 1)"
-    number = to_number(name, value, below=1.0, wanted=wanted)
-    if number < 0:
-        raise InputError(f"{name} = {show(value)}: must be {wanted}")
-    return number
 
 
 def _is_of_caller(error: BaseException) -> bool:

@@ -17,8 +17,10 @@ from rwmf.case.motion import Motion
 from rwmf.case.namelist import compose, numbers_of, read_text
 from rwmf.errors import InputError, did_you_mean, without_lines
 from rwmf.kernel import files, kernel_case, tables
-from rwmf.kernel.names import problem_of_name
+from rwmf.kernel.files import path_of
 from rwmf.kernel.numbers import show, to_array, to_items
+
+_NAMELIST = "the path of a namelist"
 
 
 def changes_without_wall(case: Case) -> dict[str, dict[str, object] | None]:
@@ -107,7 +109,7 @@ class Case(Groups):
         self._put(source, folder, origin is not None, text, motions)
         known = None if origin is None else origin._kernel
         samples = {group: motion.samples for group, motion in motions.items()}
-        read = kernel_case.read_case(text, self.kernel_source(), known, **samples)
+        read = kernel_case.read_case(text, self.kernel_source(), known, samples)
         super().__setattr__("_kernel", read)
 
     def _assemble_entries(
@@ -192,7 +194,7 @@ class Case(Groups):
         InputError
             When the file cannot be read or the kernel does not accept the case.
         """
-        source = _path_text(path)
+        source = path_of("path", path, _NAMELIST)
         return cls._make(read_text(source), source)
 
     @classmethod
@@ -219,7 +221,7 @@ class Case(Groups):
         """
         if not isinstance(text, str):
             raise InputError(f"text = {show(text)}: must be the text of a namelist")
-        return cls._make(text, None if source is None else _path_text(source))
+        return cls._make(text, None if source is None else path_of("source", source, _NAMELIST))
 
     @property
     def source(self) -> str | None:
@@ -420,7 +422,7 @@ class Case(Groups):
         OutputError
             When a file cannot be written.
         """
-        path = None if path is None else _path_text(path)
+        path = None if path is None else path_of("path", path, _NAMELIST)
         if path is None and self._motions:
             raise InputError(
                 f"{next(iter(self._motions.values()))!r} is in memory, which no text can name: "
@@ -514,7 +516,7 @@ class Case(Groups):
         """Pickle text, folder and motions from arrays; the kernel reads the text again."""
         source = None if self._source is None else str(Path(self._folder, Path(self._source).name))
         text = self._identity()[0] if source is None else self.text
-        return (_restore, (text, source, self._motions))
+        return (type(self)._make, (text, source, self._motions))
 
     def __copy__(self) -> Case:
         """Return the case itself: it never changes."""
@@ -536,20 +538,6 @@ class Case(Groups):
         return f"<table><caption>Case({escape(self.label or 'in memory')})</caption>{rows}</table>"
 
 
-def _restore(text: str, source: str | None, motions: dict[str, Motion]) -> Case:
-    return Case._make(text, source, motions=motions)
-
-
-def _path_text(path: object) -> str:
-    text = os.fspath(path) if isinstance(path, str | os.PathLike) else None
-    if not isinstance(text, str):
-        raise InputError(f"{show(path)}: must be the path of a namelist")
-    problem = problem_of_name(text)
-    if problem is not None:
-        raise InputError(f"{show(path)}: {problem}")
-    return text
-
-
 def kernel_for_host(
     case: CaseLike | Mapping[str, Mapping[str, object]],
 ) -> tuple[kernel_case.KernelCase, str]:
@@ -557,11 +545,11 @@ def kernel_for_host(
     if isinstance(case, Case):
         return case.kernel, case.kernel_source()
     if not isinstance(case, Mapping):
-        source = _path_text(case)
-        return kernel_case.read_host_case(read_text(source), source), source
+        source = path_of("case", case, _NAMELIST)
+        return kernel_case.read_case(read_text(source), source, is_for_host=True), source
     try:
         text = compose(_checked_entries(case))
-        return kernel_case.read_host_case(text, ""), ""
+        return kernel_case.read_case(text, "", is_for_host=True), ""
     except InputError as error:
         raise InputError(without_lines(str(error))) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import zlib
@@ -13,7 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.errors import InputError
-from rwmf.kernel import files, kernel_case
+from rwmf.kernel import files
+from rwmf.kernel.kernel_case import keep_samples
+from rwmf.kernel.marshalling import Memory
 from rwmf.kernel.numbers import show, to_array, to_number
 
 _UNITS = ("g", "m/s2", "cm/s2")
@@ -47,20 +50,33 @@ class Motion:
     name : str
         Name in outputs and messages.
 
+    Attributes
+    ----------
+    values : numpy.ndarray, shape (n,)
+        The accelerations, read-only.
+    dt : float or None
+        Interval of the samples [s]; None for a motion given with times.
+    unit : str
+        Unit of the accelerations.
+    name : str
+        Name in outputs and messages.
+    samples : Memory
+        The samples in the kernel.
+
     Raises
     ------
     InputError
         When the samples are not acceptable.
     """
 
-    __slots__ = ("_dt", "_name", "_samples", "_times", "_unit", "_values")
+    __slots__ = ("_times", "dt", "name", "samples", "unit", "values")
 
-    _dt: float | None
-    _name: str
-    _samples: kernel_case.Samples
+    dt: float | None
+    name: str
+    samples: Memory
+    unit: str
+    values: npt.NDArray[np.float64]
     _times: npt.NDArray[np.float64] | None
-    _unit: str
-    _values: npt.NDArray[np.float64]
 
     def __init__(
         self,
@@ -74,19 +90,19 @@ class Motion:
         put = super().__setattr__
         if not isinstance(name, str) or not name.strip() or not name.isprintable():
             raise InputError(f"name = {show(name)} of a motion: must be printable text on one line")
-        put("_name", name)
+        put("name", name)
         if not isinstance(unit, str) or unit not in _UNITS:
             raise self._problem(f"unit = {show(unit)}: must be 'g', 'm/s2' or 'cm/s2'")
         if (dt is None) == (times is None):
             raise self._problem("exactly one of dt and times must be given")
-        put("_unit", unit)
-        put("_dt", None if dt is None else self._interval(dt))
-        put("_values", self._kept("values", values))
+        put("unit", unit)
+        put("dt", None if dt is None else self._interval(dt))
+        put("values", self._kept("values", values))
         put("_times", None if times is None else self._kept("times", times))
-        if self._values.size < 2:
-            raise self._problem(f"{self._values.size} samples: must be at least 2")
+        if self.values.size < 2:
+            raise self._problem(f"{self.values.size} samples: must be at least 2")
         try:
-            put("_samples", kernel_case.keep_samples(self._values, self._times))
+            put("samples", keep_samples(self.values, self._times))
         except InputError as error:
             raise self._problem(str(error)) from None
 
@@ -159,12 +175,7 @@ class Motion:
             raise self._problem(str(error)) from None
 
     def _problem(self, problem: str) -> InputError:
-        return InputError(f"motion {self._name!r}: {problem}")
-
-    @property
-    def values(self) -> npt.NDArray[np.float64]:
-        """The accelerations, read-only."""
-        return self._values
+        return InputError(f"motion {self.name!r}: {problem}")
 
     @property
     def times(self) -> npt.NDArray[np.float64]:
@@ -172,35 +183,15 @@ class Motion:
         times: npt.NDArray[np.float64]
         if self._times is not None:
             return self._times
-        times = np.arange(self._values.size) * np.float64(self._dt or 0.0)
+        times = np.arange(self.values.size) * np.float64(self.dt or 0.0)
         times.flags.writeable = False
         return times
-
-    @property
-    def dt(self) -> float | None:
-        """Interval of the samples [s]; None for a motion given with times."""
-        return self._dt
-
-    @property
-    def unit(self) -> str:
-        """Unit of the accelerations."""
-        return self._unit
-
-    @property
-    def name(self) -> str:
-        """Name in outputs and messages."""
-        return self._name
 
     @property
     def checksum(self) -> str:
         """CRC-32 of the numbers (times, if given, then values), as in outputs."""
         times = b"" if self._times is None else self._times.tobytes()
-        return f"{zlib.crc32(self._values.tobytes(), zlib.crc32(times)):08x}"
-
-    @property
-    def samples(self) -> kernel_case.Samples:
-        """The samples in the kernel."""
-        return self._samples
+        return f"{zlib.crc32(self.values.tobytes(), zlib.crc32(times)):08x}"
 
     def keys(self) -> dict[str, Any]:
         """Return the keys that describe the motion in a case.
@@ -210,8 +201,8 @@ class Motion:
         dict
             ``file`` (the name), ``unit`` and, for a motion with an interval, ``dt``.
         """
-        found: dict[str, Any] = {"file": self._name, "unit": self._unit}
-        return found if self._dt is None else found | {"dt": self._dt}
+        found: dict[str, Any] = {"file": self.name, "unit": self.unit}
+        return found if self.dt is None else found | {"dt": self.dt}
 
     def write(self, path: str | os.PathLike[str], header: Sequence[str] = ()) -> None:
         """Write the samples as a record file: one column, or times and values.
@@ -230,7 +221,7 @@ class Motion:
         """
         if not isinstance(path, str | os.PathLike):
             raise InputError(f"path = {show(path)}: must be the path of a file")
-        columns = [self._values] if self._times is None else [self._times, self._values]
+        columns = [self.values] if self._times is None else [self._times, self.values]
         lines = [f"# {line}" for line in header]
         lines += [" ".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
         files.write_bytes(Path(path), ("\n".join(lines) + "\n").encode())
@@ -245,7 +236,7 @@ class Motion:
             return NotImplemented
         return (
             self.keys() == other.keys()
-            and np.array_equal(self._values, other._values)
+            and np.array_equal(self.values, other.values)
             and np.array_equal(self.times, other.times)
         )
 
@@ -255,7 +246,10 @@ class Motion:
 
     def __reduce__(self) -> tuple[Callable[..., Motion], tuple[object, ...]]:
         """Pickle the samples."""
-        return (_restore, (self._values, self._dt, self._times, self._unit, self._name))
+        make = functools.partial(
+            Motion, dt=self.dt, times=self._times, unit=self.unit, name=self.name
+        )
+        return (make, (self.values,))
 
     def __copy__(self) -> Motion:
         """Return the motion itself: it never changes."""
@@ -267,10 +261,8 @@ class Motion:
 
     def __repr__(self) -> str:
         """Show name, size, interval and unit."""
-        sampling = "with times" if self._dt is None else f"dt = {self._dt!r} s"
-        return (
-            f"Motion({self._name!r}: {self._values.size} samples, {sampling}, unit {self._unit!r})"
-        )
+        sampling = "with times" if self.dt is None else f"dt = {self.dt!r} s"
+        return f"Motion({self.name!r}: {self.values.size} samples, {sampling}, unit {self.unit!r})"
 
 
 def _only_trace(source: Any) -> Any:  # noqa: ANN401 (a type of ObsPy)
@@ -299,13 +291,3 @@ def _order_of(steps: Iterable[str]) -> int | None:
         elif order is not None:
             order += ("differentiate(" in step) - ("integrate(" in step)
     return order
-
-
-def _restore(
-    values: npt.NDArray[np.float64],
-    dt: float | None,
-    times: npt.NDArray[np.float64] | None,
-    unit: str,
-    name: str,
-) -> Motion:
-    return Motion(values, dt=dt, times=times, unit=unit, name=name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import stat
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -145,16 +145,12 @@ def parse_value(kind: str, text: str) -> Value:
     """Convert a value of the kernel's description."""
     if kind == "text list":
         return tuple(text.split(", "))
-    if kind in ("reals", "real list"):
-        numbers = tuple(float(item) for item in text.replace(",", " ").split())
-        return numbers[0] if kind == "reals" and len(numbers) == 1 else numbers
-    if kind == "real":
-        return float(text)
-    if kind == "integer":
-        return int(text)
-    if kind == "integers":
-        whole = tuple(int(item) for item in text.replace(",", " ").split())
-        return whole[0] if len(whole) == 1 else whole
+    convert: Callable[[str], float] = int if kind.startswith("integer") else float
+    if kind in ("reals", "real list", "integers"):
+        numbers = tuple(map(convert, text.replace(",", " ").split()))
+        return numbers if kind == "real list" or len(numbers) > 1 else numbers[0]
+    if kind in ("real", "integer"):
+        return convert(text)
     if kind == "logical":
         return text.strip(".").lower() in ("t", "true")
     return text

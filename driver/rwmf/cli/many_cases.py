@@ -18,13 +18,12 @@ from rwmf.case import Case
 from rwmf.case.arguments import case_of
 from rwmf.cli.output import (
     check_words,
-    checks_if_limited,
+    compare,
     print_checks,
     print_json,
     print_warnings,
     print_written,
     printed_warnings,
-    write_checks,
 )
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError, Interrupted
@@ -60,11 +59,9 @@ def run_spectrum(options: argparse.Namespace) -> int:
     print_warnings(options.case, dataset.attrs["warnings"].splitlines())
     if options.plot:
         figures.save_spectrum(dataset, options.plot)
-    checks = checks_if_limited(case, dataset)
-    write_checks(checks, options.checks)
+    checks = compare(case, dataset, options.checks)
     if options.json:
-        found = _spectrum_object(dataset)
-        print_json(found if checks is None else found | {"checks": checks.to_dict()})
+        print_json(_spectrum_object(dataset), checks)
     else:
         _print_spectrum(dataset, options)
         print_checks(checks)
@@ -155,9 +152,7 @@ def run_sweep(options: argparse.Namespace) -> int:
         print(f"part {part[0]}/{part[1]} is done: {path_of_store(path, part)} ({seconds:.1f} s)")
     else:
         _print_counts(dataset, path, seconds)
-        checks = checks_if_limited(case, dataset)
-        write_checks(checks, options.checks)
-        print_checks(checks)
+        print_checks(compare(case, dataset, options.checks))
         print_written(options.checks or ())
     return 0
 
@@ -206,10 +201,8 @@ def run_overturning(options: argparse.Namespace) -> int:
     """Map the pulses that overturn a wall (``rwmf study overturning``)."""
     case = Case.from_namelist(options.case)
     _check(options, case.inputs)
-    with progress() as report:
-        found = overturning_map(
-            case, options.omega, options.amplitude, options.tolerance, options.threads, report
-        )
+    levels = (options.omega, options.amplitude, options.tolerance)
+    found = overturning_map(case, *levels, options.threads, progress=True)
     return _finish(options, found, plots.overturning_map)
 
 
@@ -246,15 +239,14 @@ def run_equal_response(options: argparse.Namespace) -> int:
     """Find pulses with the same response (``rwmf study equal-response``)."""
     case = Case.from_namelist(options.case)
     _check(options, case.inputs)
-    with progress() as report:
-        found = equal_response(
-            case,
-            options.T_p,
-            options.target,
-            threads=options.threads,
-            progress=report,
-            quantities=options.quantities,
-        )
+    found = equal_response(
+        case,
+        options.T_p,
+        options.target,
+        threads=options.threads,
+        progress=True,
+        quantities=options.quantities,
+    )
     return _finish(options, found, plots.equal_response)
 
 

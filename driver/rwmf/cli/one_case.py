@@ -19,13 +19,12 @@ from rwmf.assess.gradient import gradient
 from rwmf.case import Case
 from rwmf.cli.output import (
     check_words,
-    checks_if_limited,
+    compare,
     print_checks,
     print_gradient,
     print_json,
     print_warnings,
     print_written,
-    write_checks,
 )
 from rwmf.errors import InputError
 from rwmf.explorer.server import explore
@@ -52,8 +51,7 @@ def run_cost(options: argparse.Namespace) -> int:
     case = Case.from_namelist(options.case)
     files.check_outputs([options.plot], case.inputs)
     figures.check_formats(options.plot)
-    with progress() as report:
-        found = cost(case, options.target, report, options.quantities)
+    found = cost(case, options.target, True, options.quantities)
     if options.plot:
         with figures.drawn(options.plot, 4.2) as figure:
             left, right = figure.subplots(1, 2, sharey=True)
@@ -135,19 +133,18 @@ def run_design(options: argparse.Namespace) -> int:
         design_page.check_format_of_page(path)
     bounds, weights = _by_key("--vary", options.vary), _by_key("--cost", options.cost)
     try:
-        with progress("design") as report:
-            found = design(
-                case,
-                bounds,
-                options.target,
-                weights,
-                options.records,
-                left_out=options.left_out,
-                designs=options.designs,
-                unit=options.unit,
-                threads=options.threads,
-                progress=report,
-            )
+        found = design(
+            case,
+            bounds,
+            options.target,
+            weights,
+            options.records,
+            left_out=options.left_out,
+            designs=options.designs,
+            unit=options.unit,
+            threads=options.threads,
+            progress=True,
+        )
     except InputError as error:
         if bounds or options.target or weights or options.records or case.design is None:
             raise
@@ -218,17 +215,16 @@ def _commands(options: argparse.Namespace, namelists: list[str]) -> list[str]:
 def run_gradient(options: argparse.Namespace) -> int:
     """Print derivatives (``rwmf gradient``)."""
     case = Case.from_namelist(options.case)
-    with progress() as report:
-        found = gradient(
-            case,
-            _words(options.parameters) or None,
-            _words(options.quantities) or None,
-            records=options.records,
-            statistic=options.statistic,
-            unit=options.unit,
-            threads=options.threads,
-            progress=report,
-        )
+    found = gradient(
+        case,
+        _words(options.parameters) or None,
+        _words(options.quantities) or None,
+        records=options.records,
+        statistic=options.statistic,
+        unit=options.unit,
+        threads=options.threads,
+        progress=True,
+    )
     if options.json:
         names = [*found.data_vars, "parameter_value", "parameter_scale"]
         print_json(
@@ -273,9 +269,8 @@ def run_pushover(options: argparse.Namespace) -> int:
             draw(curve, figure.subplots(), history=history)
     print_warnings(options.case, curve.attrs["warnings"].splitlines())
     checks = _checks(case, curve, options)
-    write_checks(checks, options.checks)
     if options.json:
-        print_json(_plain(curve) | ({} if checks is None else {"checks": checks.to_dict()}))
+        print_json(_plain(curve), checks)
     else:
         print("\n".join(_lines(curve)))
         print_checks(checks, is_all=options.all)
@@ -286,7 +281,7 @@ def run_pushover(options: argparse.Namespace) -> int:
 def _checks(case: Case, curve: xr.Dataset, options: argparse.Namespace) -> Checks | None:
     """Compare with the limits. Only ``--checks`` requires that the curve has one of the demands."""
     try:
-        return checks_if_limited(case, curve)
+        return compare(case, curve, options.checks)
     except InputError as error:
         if options.checks:
             raise

@@ -32,13 +32,23 @@ def check_words(case: Case, paths: Sequence[str] | None) -> None:
         check_formats(*(path for path in paths if not _is_csv(path)))
 
 
-def checks_if_limited(case: Case, result: xr.Dataset | Mapping[str, Any]) -> Checks | None:
-    """Compare demands with the limits of a case."""
+def compare(
+    case: Case, result: xr.Dataset | Mapping[str, Any], paths: Sequence[str] | None
+) -> Checks | None:
+    """Compare demands with the limits of a case; write CSV or figure, by the endings of files."""
     if not case.kernel.limited_demands():
         return None
-    from rwmf.run.checks import checks
+    from rwmf.run.checks import checks, write_csv
 
-    return checks(case, result)
+    found = checks(case, result)
+    for path in paths or ():
+        if _is_csv(path):
+            write_csv(found, path)
+        else:
+            from rwmf.figures.results import save_checks
+
+            save_checks(found, path)
+    return found
 
 
 def print_checks(found: Checks | None, *, is_all: bool = False) -> None:
@@ -49,26 +59,13 @@ def print_checks(found: Checks | None, *, is_all: bool = False) -> None:
         print(text_of(found, is_all=is_all))
 
 
-def write_checks(found: Checks | None, paths: Sequence[str] | None) -> None:
-    """Write checks as CSV or figure, by the endings of the files."""
-    if found is None or not paths:
-        return
-    from rwmf.figures.results import save_checks
-    from rwmf.run.checks import write_csv
-
-    for path in paths:
-        if _is_csv(path):
-            write_csv(found, path)
-        else:
-            save_checks(found, path)
-
-
 def _is_csv(path: str) -> bool:
     return Path(path).suffix.lower() == ".csv"
 
 
-def print_json(value: dict[str, Any]) -> None:
-    """Print an object as JSON."""
+def print_json(value: dict[str, Any], checks: Checks | None = None) -> None:
+    """Print an object as JSON, with checks if there are any."""
+    value = value if checks is None else value | {"checks": checks.to_dict()}
     print(json.dumps(plain(value), indent=1, allow_nan=False))
 
 

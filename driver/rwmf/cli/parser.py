@@ -136,10 +136,10 @@ class _Show(argparse.Action):
 
 
 def _version(_: object) -> str:
-    """Name version and instructions; loading the kernel takes longer than everything else."""
-    from rwmf.kernel import tables
+    """Name version and instructions."""
+    from rwmf.kernel.identity import identity
 
-    return f"rwmf {tables.version()} ({tables.instruction_set()})"
+    return f"rwmf {identity()}"
 
 
 def _completion(shell: str) -> str:

@@ -19,6 +19,7 @@ from rwmf.kernel.progress import progress
 from rwmf.motion import records
 from rwmf.motion.intensity import G
 from rwmf.motion.records import Described, curves, describe
+from rwmf.motion.selection import select as choose
 from rwmf.motion.waveform import waveform_of
 
 # facts of a table: key, title, width and format
@@ -135,7 +136,7 @@ def select(options: argparse.Namespace) -> int:
     files.check_outputs([options.out, options.plot], [options.target])
     figures.check_formats(options.plot)
     with printed_warnings(options.target), progress("record") as report:
-        found = records.select(
+        found = choose(
             options.records,
             options.target,
             options.band,
@@ -148,7 +149,7 @@ def select(options: argparse.Namespace) -> int:
             dt=options.dt,
         )
     if options.out:
-        records.write_suite(found, options.out)
+        found.write(options.out)
     if options.plot:
         with figures.drawn(options.plot, 3.6) as figure:
             label = f"$S_a$({100 * options.damping:g} %) (g)"

@@ -14,7 +14,7 @@ import xarray as xr
 import rwmf
 from rwmf.assess.annual import hazard_of, unit_of
 from rwmf.assess.loss import loss_quantities, nrml_text, write_pelicun
-from rwmf.assess.table import fallen, quantities_of, write_dataset
+from rwmf.assess.table import quantities_of, write_dataset
 from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
@@ -23,9 +23,10 @@ from rwmf.figures import risk_figures as plots
 from rwmf.kernel import files
 from rwmf.kernel.progress import progress
 from rwmf.motion.record_sets import find_records
+from rwmf.run.quantities import fallen
 from rwmf.sweeps.executors import open_executor
 from rwmf.sweeps.netcdf import check_package
-from rwmf.sweeps.points import is_netcdf
+from rwmf.sweeps.points import is_netcdf, read_netcdf
 
 _SHARED = ("intensity", "period", "damping", "periods", "restart", "threads")
 _NOT_IN_MODEL = (
@@ -182,12 +183,7 @@ def _read_fragility(word: str) -> xr.Dataset | tuple[float, float]:
     if not is_netcdf(path):
         raise InputError(f"{word}: must be a NetCDF file of rwmf fragility --out")
     check_package()
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            return dataset.load()
-    except Exception as error:
-        # HDF5 has errors of many kinds for a damaged file
-        raise InputError(f"{word}: cannot be read as NetCDF: {error}") from error
+    return read_netcdf(path)
 
 
 def _print_table(table: xr.Dataset) -> None:

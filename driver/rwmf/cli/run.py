@@ -14,14 +14,13 @@ from rwmf.case import Case
 from rwmf.cli import run_many
 from rwmf.cli.output import (
     check_words,
-    checks_if_limited,
+    compare,
     derivatives_by_name,
     print_checks,
     print_gradient,
     print_json,
     print_warnings,
     print_written,
-    write_checks,
 )
 from rwmf.errors import InputError
 from rwmf.figures import image_files as figures
@@ -67,13 +66,12 @@ def run(options: argparse.Namespace) -> int:
         if options.loops:
             _plot_loops(case, result, options.loops)
     print_warnings(options.case, summary["warnings"])
-    checks = checks_if_limited(case, summary)
-    write_checks(checks, options.checks)
+    checks = compare(case, summary, options.checks)
     slopes = _derivatives(case, options.case)
     if options.json:
         if slopes is not None:
             summary |= derivatives_by_name(slopes)
-        print_json(summary if checks is None else summary | {"checks": checks.to_dict()})
+        print_json(summary, checks)
     else:
         digits = _digits(summary, _tolerance_of(case, summary))
         _print_table(case, summary, digits, is_all=options.all)

@@ -6,32 +6,18 @@ import argparse
 import math
 import re
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from rwmf.errors import OutputError
 from rwmf.kernel.names import is_name_of_folder, problem_of_name, shorten
 
 _TARGET = re.compile(r"(\w+)=([^@x]+)(?:@([^@x]+))?(?:x([^@x]+))?")
 _LIMITS = re.compile(r"limits@([^@x]+)(?:x([^@x]+))?")
-_MOST_THREADS = 2**31 - 1
 _MOST_NUMBERS = 1_000_000
 _UNITS = ("g", "m/s2", "cm/s2")
 # suffixes of figures
-_FIGURES = (
-    "avif",
-    "eps",
-    "jpeg",
-    "jpg",
-    "pdf",
-    "pgf",
-    "png",
-    "ps",
-    "svg",
-    "svgz",
-    "tif",
-    "tiff",
-    "webp",
-)
+_FIGURE = re.compile(r"(avif|eps|jpe?g|pdf|pgf|png|ps|svgz?|tiff?|webp)", re.IGNORECASE)
+_T = TypeVar("_T")
 
 
 class Parts(argparse.Action):
@@ -43,10 +29,11 @@ class Parts(argparse.Action):
         Names of the parts with their defaults.
     """
 
-    def __init__(self, parts: list[str], default: tuple[Any, ...], **settings: Any) -> None:  # noqa: ANN401 (of argparse)
+    def __init__(self, parts: list[str], default: str | None = None, **settings: Any) -> None:  # noqa: ANN401 (of argparse)
         # without a destination argparse does not convert the default
         super().__init__(**settings | {"dest": argparse.SUPPRESS})
-        self.further = dict(zip(parts, default, strict=True))
+        values = settings["type"](default) if default else [None] * len(parts)
+        self.further = dict(zip(parts, values, strict=True))
 
     def __call__(
         self,
@@ -82,7 +69,7 @@ class Outputs(argparse.Action):
         option_string: str | None = None,
     ) -> None:
         """Add a file."""
-        is_figure = not self.has_data or values.rpartition(".")[2].lower() in _FIGURES
+        is_figure = not self.has_data or _FIGURE.fullmatch(values.rpartition(".")[2]) is not None
         name = "plot" if is_figure else "out"
         before = getattr(namespace, name)
         if is_figure:
@@ -95,6 +82,22 @@ class Outputs(argparse.Action):
         setattr(namespace, name, values)
 
 
+def _must_be(wanted: str) -> Callable[[Callable[[str], _T]], Callable[[str], _T]]:
+    """Make a decorator for the type of an option: an error names the word and the wanted form."""
+
+    def decorate(read: Callable[[str], _T]) -> Callable[[str], _T]:
+        def convert(word: str) -> _T:
+            try:
+                return read(word)
+            except (ValueError, argparse.ArgumentTypeError):
+                text = f"{shorten(word)}: must be {wanted}"
+                raise argparse.ArgumentTypeError(text) from None
+
+        return convert
+
+    return decorate
+
+
 def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str], float]:
     """Make the type of an option with a finite number."""
     texts = {
@@ -103,15 +106,12 @@ def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str],
         (False, True): f"a finite number < {below:g}",
         (True, True): f"in ({above:g}, {below:g})",
     }
-    allowed = texts[above > -math.inf, below < math.inf]
 
+    @_must_be(texts[above > -math.inf, below < math.inf])
     def read(word: str) -> float:
-        try:
-            value = float(word)
-        except ValueError:
-            value = math.nan
+        value = float(word)
         if not (math.isfinite(value) and above < value < below):
-            raise argparse.ArgumentTypeError(f"{shorten(word)}: must be {allowed}")
+            raise ValueError
         return value
 
     return read
@@ -120,14 +120,11 @@ def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str],
 def whole(lowest: int, highest: int) -> Callable[[str], int]:
     """Make the type of an option with a whole number."""
 
+    @_must_be(f"a whole number in [{lowest}, {highest}]")
     def read(word: str) -> int:
-        try:
-            value = int(word)
-        except ValueError:
-            value = lowest - 1
+        value = int(word)
         if not lowest <= value <= highest:
-            text = f"must be a whole number in [{lowest}, {highest}]"
-            raise argparse.ArgumentTypeError(f"{shorten(word)}: {text}")
+            raise ValueError
         return value
 
     return read
@@ -142,29 +139,18 @@ def short_decimal(x: float) -> float:
     return decimal if abs(decimal - x) <= 4 * math.ulp(x) else x
 
 
+@_must_be("FIRST:LAST:N or finite numbers with commas between them, at most " + str(_MOST_NUMBERS))
 def numbers(word: str) -> list[float]:
     """Read ``FIRST:LAST:N`` with both ends, or comma-separated numbers."""
     # imported here so that help and other error messages need not wait for it
     import numpy as np
 
     read = number()
-    try:
-        if ":" in word:
-            first, last, n = word.split(":")
-            n_points = whole(1, _MOST_NUMBERS)(n)
-            points = np.linspace(read(first), read(last), n_points)
-            return [short_decimal(x) for x in points.tolist()]
-        return [read(item) for item in word.split(",")]
-    except (ValueError, argparse.ArgumentTypeError):
-        raise argparse.ArgumentTypeError(
-            f"{shorten(word)}: must be FIRST:LAST:N or finite numbers with commas between them, "
-            f"at most {_MOST_NUMBERS}"
-        ) from None
-
-
-def thread_count(word: str) -> int:
-    """Read a number of threads, 0 for all; the kernel enforces the limit."""
-    return whole(0, _MOST_THREADS)(word)
+    if ":" in word:
+        first, last, n = word.split(":")
+        points = np.linspace(read(first), read(last), whole(1, _MOST_NUMBERS)(n))
+        return [short_decimal(x) for x in points.tolist()]
+    return [read(item) for item in word.split(",")]
 
 
 def written_file(word: str) -> str:
@@ -177,35 +163,29 @@ def written_file(word: str) -> str:
     return word
 
 
+@_must_be("KEY=LOW:HIGH")
 def bounds(word: str) -> tuple[str, tuple[float, float]]:
     """Read ``KEY=LOW:HIGH``."""
     key, _, ends = word.partition("=")
     low, _, high = ends.partition(":")
-    try:
-        return key, (number()(low), number()(high))
-    except argparse.ArgumentTypeError:
-        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=LOW:HIGH") from None
+    return key, (number()(low), number()(high))
 
 
+@_must_be("LOW:HIGH in Hz")
 def band(word: str) -> tuple[float, float]:
     """Read ``LOW:HIGH``, ``LOW:`` or ``:HIGH`` in Hz."""
     low, colon, high = word.partition(":")
     read = number(above=0)
-    try:
-        if not colon or not (low or high):
-            raise argparse.ArgumentTypeError
-        return (read(low) if low else 0.0, read(high) if high else math.inf)
-    except argparse.ArgumentTypeError:
-        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be LOW:HIGH in Hz") from None
+    if not colon or not (low or high):
+        raise ValueError
+    return (read(low) if low else 0.0, read(high) if high else math.inf)
 
 
+@_must_be("KEY=NUMBER")
 def weight(word: str) -> tuple[str, float]:
     """Read ``KEY=NUMBER``."""
     key, sign, value = word.partition("=")
-    try:
-        return key, number()(value if key and sign else "")
-    except argparse.ArgumentTypeError:
-        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=NUMBER") from None
+    return key, number()(value if key and sign else "")
 
 
 def target(word: str) -> dict[str, object]:
@@ -257,15 +237,10 @@ def intensity(word: str) -> tuple[str, float | None, float | None, list[float] |
     return kind, periods[0], xi, None
 
 
+@_must_be("first_mode, roof, or forces with commas between them")
 def pattern(word: str) -> tuple[str, list[float] | None]:
     """Read the name of a load pattern, or forces on the floors."""
-    if word in ("first_mode", "roof"):
-        return word, None
-    try:
-        return "floors", numbers(word)
-    except argparse.ArgumentTypeError:
-        wanted = "first_mode, roof, or forces with commas between them"
-        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be {wanted}") from None
+    return (word, None) if word in ("first_mode", "roof") else ("floors", numbers(word))
 
 
 def resamples(word: str) -> tuple[int, float, int]:

@@ -9,12 +9,13 @@ import xarray as xr
 
 from rwmf.assess.annual import hazard_of
 from rwmf.assess.fits import exceedance
-from rwmf.assess.table import demand_percentiles, fallen, quantities_of, read_table
+from rwmf.assess.table import demand_percentiles, quantities_of, read_table
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
 from rwmf.figures.styles import DOTS, legend_above, make_panels, plain, series, tint
 from rwmf.kernel.numbers import show, to_array
 from rwmf.run.arguments import dataset_of
+from rwmf.run.quantities import fallen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,17 +1,32 @@
-"""Results of walls and elements that advance with a program of yours."""
+"""Hosts: results of walls and elements that step with your program, and coupling with a frame.
 
-from rwmf.hosts.element import ElementEvent, ElementResponse, ElementSnapshot
-from rwmf.hosts.states import WallEvent, WallEvents, WallForces, WallMaxima, WallState
-from rwmf.hosts.wall import WallSnapshot
+::
+
+    host = rwmf.hosts.OpenSeesHost(ops, nodes=[2])
+    run = rwmf.hosts.couple(case, host, ground, dt=0.001, t_end=10.0)
+
+`couple` owns the time loop: every step is iterated until wall and host agree on the force and the
+motion of the link. Units are SI.
+"""
+
+from typing import TYPE_CHECKING
+
+from rwmf._renamed import of_module
+from rwmf.hosts.coupling import couple
+from rwmf.hosts.element import ElementResponse
+from rwmf.hosts.opensees_host import OpenSeesHost
+from rwmf.hosts.partner import FunctionHost, Host
+from rwmf.hosts.states import WallEvent, WallState
 
 __all__ = [
-    "ElementEvent",
     "ElementResponse",
-    "ElementSnapshot",
+    "FunctionHost",
+    "Host",
+    "OpenSeesHost",
     "WallEvent",
-    "WallEvents",
-    "WallForces",
-    "WallMaxima",
-    "WallSnapshot",
     "WallState",
+    "couple",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__ = of_module("hosts")

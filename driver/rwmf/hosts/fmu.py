@@ -186,18 +186,9 @@ def _parameters(case: Case) -> list[Variable]:
                 raise InputError(f"{name} = {value}: must be a number")
             unit = "" if row.unit == "-" else row.unit
             for i, number in enumerate(numbers, 1):
-                place = i if len(numbers) > 1 else 0
-                variable = Variable(
-                    "p",
-                    _TYPES[kind],
-                    name,
-                    unit,
-                    row.meaning,
-                    float(number),
-                    len(numbers),
-                    place,
-                )
-                found.append(variable)
+                size = (len(numbers), i if len(numbers) > 1 else 0)
+                facts = (_TYPES[kind], name, unit, row.meaning, float(number))
+                found.append(Variable("p", *facts, *size))
     return found
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from rwmf.case import Case
 from rwmf.errors import InputError, NumericalError
-from rwmf.hosts.si_building import Base, BentWall, Building, Device, Frame, Law, read_building
+from rwmf.hosts.si_building import Base, BentWall, Building, Device, Frame, Law
 from rwmf.run.simulation import simulate
 
 # angular frequency of the wall on both its corners [rad/s], and the step that resolves it [s]
@@ -56,7 +56,7 @@ import openseespy.opensees as ops
 
 def opensees_script(case: Case) -> str:
     """Write a script for OpenSeesPy."""
-    return _Script(case, read_building(case)).text()
+    return _Script(case, Building(case)).text()
 
 
 def _shown(x: object) -> str:

@@ -174,7 +174,6 @@ class Base:
     delay: float
 
 
-@dataclass(frozen=True)
 class Building:
     """A case in SI units.
 
@@ -214,63 +213,34 @@ class Building:
         End [s].
     """
 
-    h: float
-    b: float
-    m_w: float
-    walls: int
-    coupling: Device | None
-    spacing: float
-    g: float
-    is_pinned: bool
-    base: Base | None
-    bent: BentWall | None
-    link: float
-    frame: Frame | None
-    tendons: list[Tendon]
-    devices: list[Device]
-    theta: float
-    theta_dot: float
-    dt: float
-    a: Array
-    a_v: Array
-    t_end: float
+    def __init__(self, case: Case) -> None:
+        _refuse(case)
+        wall, initial, coupling = case.wall, case.initial, case.coupling
+        self.g = g = case.model.g
+        self.m_w = m_w = 0.0 if wall is None else _number(wall.get("m_w")) or 1.0
+        self.h, self.b = (0.0, 0.0) if wall is None else (wall.h, wall.b)
+        self.walls = 1 if wall is None else wall.walls
+        self.coupling: Device | None = None
+        if coupling is not None:
+            self.coupling = _device(elements_of(coupling, 0.0)[0], m_w, g)
+        self.spacing = 2 * self.b + (0.0 if coupling is None else coupling.span)
+        self.is_pinned = wall is not None and wall.base == "pinned"
+        self.base = None if case.base is None else _base(case, m_w)
+        self.bent = None if case.bending is None else _bent_wall(case, m_w)
+        self.link = math.inf if case.link is None else case.link.L
+        self.frame = None if case.frame is None else _frame(case, m_w)
+        self.tendons = [] if case.cable is None else _tendons(case, m_w * g)
+        self.devices = _devices(case, m_w)
+        self.theta, self.theta_dot = 0.0, 0.0
+        if initial is not None:
+            self.theta = initial.theta_over_alpha * self.alpha
+            self.theta_dot = initial.theta_dot
+        self.dt, self.a, self.a_v, self.t_end = _motions(case)
 
     @property
     def alpha(self) -> float:
         """Slenderness of the wall [rad]."""
         return math.atan2(self.b, self.h)
-
-
-def read_building(case: Case) -> Building:
-    """Read a case."""
-    _refuse(case)
-    wall, g = case.wall, case.model.g
-    m_w = 0.0 if wall is None else _number(wall.get("m_w")) or 1.0
-    h, b = (0.0, 0.0) if wall is None else (wall.h, wall.b)
-    initial, coupling = case.initial, case.coupling
-    dt, a, a_v, t_end = _motions(case)
-    return Building(
-        h=h,
-        b=b,
-        m_w=m_w,
-        walls=1 if wall is None else wall.walls,
-        coupling=None if coupling is None else _device(elements_of(coupling, 0.0)[0], m_w, g),
-        spacing=2 * b + (0.0 if coupling is None else coupling.span),
-        g=g,
-        is_pinned=wall is not None and wall.base == "pinned",
-        base=None if case.base is None else _base(case, m_w),
-        bent=None if case.bending is None else _bent_wall(case, m_w),
-        link=math.inf if case.link is None else case.link.L,
-        frame=None if case.frame is None else _frame(case, m_w),
-        tendons=[] if case.cable is None else _tendons(case, m_w * g),
-        devices=_devices(case, m_w),
-        theta=0.0 if initial is None else initial.theta_over_alpha * math.atan2(b, h),
-        theta_dot=0.0 if initial is None else initial.theta_dot,
-        dt=dt,
-        a=a,
-        a_v=a_v,
-        t_end=t_end,
-    )
 
 
 _LAWS = ("elastic_plastic", "flag", "peak_oriented", "pinched")

@@ -66,6 +66,12 @@ class _Stepping(Closable[KernelWalls]):
         self._no_motion = np.empty((1, 0), order="F")
         warn(dict.fromkeys(line for case in cases for line in case.kernel.motion_warnings()))
 
+    @property
+    def t(self) -> float:
+        """Time reached [s]; an overturned wall goes on in time, its state does not."""
+        with self._guard as kernel:
+            return float(kernel.states()[0][0, 0])
+
     def advance(self, t: float) -> None:
         """Advance to a later time under the motion of the case, none without `&motion`.
 
@@ -180,12 +186,6 @@ class Wall(_Stepping):
     def __repr__(self) -> str:
         """Show the time."""
         return f"<Wall at t = {self.t:g} s>" if self._guard.is_open else "<Wall, closed>"
-
-    @property
-    def t(self) -> float:
-        """Time reached [s]; an overturned wall goes on in time, its state does not."""
-        with self._guard as kernel:
-            return float(kernel.states()[0][0, 0])
 
     @property
     def state(self) -> WallState[float, int, bool]:
@@ -362,12 +362,6 @@ class Walls(_Stepping):
     def __repr__(self) -> str:
         """Show the number of walls."""
         return f"<{self._n} Walls{'' if self._guard.is_open else ', closed'}>"
-
-    @property
-    def t(self) -> float:
-        """Time reached by all walls [s]."""
-        with self._guard as kernel:
-            return float(kernel.states()[0][0, 0])
 
     @property
     def state(self) -> WallState[Reals, Counts, Flags]:

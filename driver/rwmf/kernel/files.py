@@ -32,6 +32,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, cast
 
 from rwmf.errors import InputError, OutputError
+from rwmf.kernel.names import problem_of_name
+from rwmf.kernel.numbers import show
 
 if TYPE_CHECKING:
     from h5netcdf import File
@@ -42,6 +44,17 @@ _DESCRIPTOR = re.compile(r"/(?:dev|proc/(?:self|thread-self))/fd/(\d+)")
 _NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 # the kernel's limit for a chain of links
 _MOST_LINKS = 40
+
+
+def path_of(name: str, value: object, wanted: str = "the path of a file") -> str:
+    """Return the text of a path."""
+    path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
+    if not isinstance(path, str):
+        raise InputError(f"{name} = {show(value)}: must be {wanted}")
+    problem = problem_of_name(path)
+    if problem is not None:
+        raise InputError(f"{name} = {show(value)}: {problem}")
+    return path
 
 
 def check_outputs(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -12,14 +13,7 @@ import numpy.typing as npt
 from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf.errors import InputError, without_lines
-from rwmf.kernel.marshalling import (
-    Memory,
-    encode,
-    fetch_text,
-    message_buffer,
-    raise_for,
-    split_table,
-)
+from rwmf.kernel.marshalling import Memory, call, encode, fetch_text, split_table
 
 
 class SceneAxis(NamedTuple):
@@ -38,18 +32,6 @@ class SceneAxis(NamedTuple):
     value: float | None
     unit: str
     meaning: str
-
-
-class Samples:
-    """Validated samples of a ground motion."""
-
-    def __init__(self, memory: Memory) -> None:
-        self._memory = memory
-
-    @property
-    def handle(self) -> int:
-        """Handle, valid as long as this object."""
-        return self._memory.handle
 
 
 class Changes(NamedTuple):
@@ -89,23 +71,16 @@ class KernelCase:
         last = self._looked_up
         if last is not None and last[0] == changes:
             return last[1]
-        message = message_buffer()
-        handle, status, n = _cases.changes_find(
-            self.handle, encode(" ".join(changes.names)), changes.sizes, message
-        )
-        raise_for(status, message, n)
-        found = Memory(handle)
+        names = encode(" ".join(changes.names))
+        found = Memory(*call(_cases.changes_find, self.handle, names, changes.sizes))
         self._looked_up = (changes, found)
         return found
 
     def changed(self, found: Memory, numbers: npt.NDArray[np.float64], source: str) -> KernelCase:
         """Make a case with other numbers; it shares the records' samples and the motion."""
-        message = message_buffer()
-        handle, status, n = _cases.case_change(
-            self.handle, found.handle, numbers, encode(source), message
-        )
-        raise_for(status, message, n)
-        return KernelCase(Memory(handle), self._origin or self, source)
+        handles = (self.handle, found.handle)
+        memory = Memory(*call(_cases.case_change, *handles, numbers, encode(source)))
+        return KernelCase(memory, self._origin or self, source)
 
     def ordinates(self) -> int:
         """Count the ordinates of the case's spectrum."""
@@ -153,23 +128,16 @@ class KernelCase:
     def paper_coefficients(self, theta: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Compute the coefficients of Eq. (15)."""
         found = np.empty((theta.size, 4), order="F")
-        message = message_buffer()
-        status, n = _kernel.paper_coefficients(self.handle, theta, found, message)
         with self.own_lines():
-            raise_for(status, message, n, source=self._source)
+            call(_kernel.paper_coefficients, self.handle, theta, found, source=self._source)
         return found
 
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
         """Fetch a text, and raise the error of the kernel if there is one."""
-
-        def call(buffer: npt.NDArray[np.int8]) -> int:
-            message = message_buffer()
-            length, status, n = procedure(self.handle, buffer, message)
-            with self.own_lines():
-                raise_for(status, message, n, source=self._source)
-            return length
-
-        return fetch_text(call)
+        with self.own_lines():
+            return fetch_text(
+                lambda buffer: call(procedure, self.handle, buffer, source=self._source)[0]
+            )
 
     @contextmanager
     def own_lines(self) -> Iterator[None]:
@@ -198,32 +166,20 @@ def read_case(
     text: str,
     source: str,
     known: KernelCase | None = None,
-    motion: Samples | None = None,
-    vertical: Samples | None = None,
+    samples: Mapping[str, Memory] = MappingProxyType({}),
+    *,
+    is_for_host: bool = False,
 ) -> KernelCase:
-    """Read and validate a case."""
-    others = [0 if kept is None else kept.handle for kept in (known, motion, vertical)]
-    return _read(text, source, others, is_for_host=False)
-
-
-def read_host_case(text: str, source: str) -> KernelCase:
-    """Read and validate a case for an element."""
-    return _read(text, source, [0, 0, 0], is_for_host=True)
-
-
-def _read(text: str, source: str, others: list[int], *, is_for_host: bool) -> KernelCase:
-    message = message_buffer()
-    handle, status, n = _cases.case_read(
-        encode(text), encode(source), others, int(is_for_host), message
+    """Read and validate a case; that of an element may lack keys that only a run needs."""
+    kept = (known, samples.get("motion"), samples.get("vertical"))
+    others = [0 if item is None else item.handle for item in kept]
+    texts = (encode(text), encode(source))
+    return KernelCase(
+        Memory(*call(_cases.case_read, *texts, others, int(is_for_host))), source=source
     )
-    raise_for(status, message, n)
-    return KernelCase(Memory(handle), source=source)
 
 
-def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Samples:
+def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Memory:
     """Check samples of a ground motion and store them in the kernel."""
-    message = message_buffer()
     times = np.zeros(0) if times is None else times
-    handle, status, n = _cases.samples_keep(values, times, message)
-    raise_for(status, message, n)
-    return Samples(Memory(handle))
+    return Memory(*call(_cases.samples_keep, values, times))

@@ -12,9 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.errors import Interrupted
-from rwmf.kernel.marshalling import raise_for
+from rwmf.kernel.marshalling import message_buffer, raise_for
 
 Progress = Callable[[int], None]
+Flags = npt.NDArray[np.int64]
+Message = npt.NDArray[np.int8]
+# results of a procedure, its status and the length of its message
+Outcome = tuple[Any, ...]
 _T = TypeVar("_T")
 
 # interval at which the waiting thread checks for Ctrl-C and reports progress: well below 0.2 s
@@ -24,69 +28,64 @@ _IDLE_SECONDS = 1.0
 
 
 def wait_for(
-    call: Callable[[npt.NDArray[np.int64]], tuple[int, int, int]],
-    message: npt.NDArray[np.int8],
+    call: Callable[[Flags, Message], Outcome],
     source: str,
-    wrap: Callable[[int], _T],
-    progress: Progress | None,
+    wrap: Callable[..., _T],
+    progress: Progress | None = None,
+    *,
+    writing: bool = False,
 ) -> _T:
-    """Wait for a call of the kernel, interruptible by Ctrl-C, and wrap the returned handle."""
-    control = np.zeros(2, dtype=np.int64)
+    """Wait for a call of the kernel, interruptible by Ctrl-C, and wrap its results.
+
+    The call gets the flags of progress and cancel and a buffer for a message. It returns results,
+    status and length of the message.
+    """
+    flags, message = np.zeros(2, dtype=np.int64), message_buffer()
+
+    def work() -> Outcome:
+        return call(flags, message)
+
     if progress is None and threading.current_thread() is not threading.main_thread():
         # only the main thread receives signals: this one cannot be interrupted
-        handle, status, n = call(control)
+        outcome = work()
     else:
-        handle, status, n = _call_beside(call, control, wrap, progress)
-    raise_for(status, message, n, source=source)
-    result = wrap(handle)
+        outcome = _call_beside(work, flags, wrap, progress)
+    *found, status, n = outcome
+    raise_for(status, message, n, source=source, writing=writing)
+    result = wrap(*found)
     if progress is not None:
-        progress(int(control[0]))
+        progress(int(flags[0]))
     return result
 
 
-class NoResult:
-    """Result of a call that returns none."""
-
-    def __init__(self, _: int) -> None:
-        pass
-
-    def close(self) -> None:
-        """Do nothing: there is no memory to release."""
-
-
-def write(call: Callable[[npt.NDArray[np.int64]], tuple[int, int]]) -> tuple[int, int]:
+def write(call: Callable[[Flags, Message], Outcome]) -> None:
     """Wait until the kernel has written files, interruptible by Ctrl-C."""
-    control = np.zeros(2, dtype=np.int64)
-    if threading.current_thread() is not threading.main_thread():
-        return call(control)
-    done: list[tuple[int, int]] = []
+    done: list[Outcome] = []
 
-    def keep(flags: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        done.append(call(flags))
-        return (0, *done[0])
+    def keep(flags: Flags, message: Message) -> Outcome:
+        done.append(call(flags, message))
+        return done[0]
 
     try:
-        _call_beside(keep, control, NoResult, None)
+        wait_for(keep, "", lambda: None, writing=True)
     except Interrupted:
-        if done and done[0][0] == 0:
-            return done[0]
-        raise
-    return done[0]
+        if not done or done[0][0] != 0:
+            raise
 
 
 def _call_beside(
-    call: Callable[[npt.NDArray[np.int64]], tuple[int, int, int]],
-    control: npt.NDArray[np.int64],
-    wrap: Callable[[int], Any],
+    call: Callable[[], Outcome],
+    flags: Flags,
+    wrap: Callable[..., object],
     progress: Progress | None,
-) -> tuple[int, int, int]:
+) -> Outcome:
     """Call the kernel in a worker thread, so that this one can handle signals in Python."""
-    outcome: list[tuple[int, int, int] | BaseException] = []
+    outcome: list[Outcome | BaseException] = []
     running = threading.Lock()
 
     def work() -> None:
         try:
-            outcome.append(call(control))
+            outcome.append(call())
         except BaseException as error:
             # passed to the waiting thread
             outcome.append(error)
@@ -99,14 +98,16 @@ def _call_beside(
     try:
         while not running.acquire(timeout=_POLL_SECONDS):
             if progress is not None:
-                progress(int(control[0]))
+                progress(int(flags[0]))
     except BaseException as error:
-        control[1] = 1
+        flags[1] = 1
         # the call may have ended while the exception was raised
         while not outcome:
             running.acquire(timeout=_POLL_SECONDS)
         _idle.append(worker)
-        _discard(outcome[0], wrap)
+        if not isinstance(outcome[0], BaseException) and outcome[0][-2] == 0:
+            # the memory of a result is released with its last reference
+            wrap(*outcome[0][:-2])
         if isinstance(error, KeyboardInterrupt):
             raise Interrupted("interrupted") from error
         raise
@@ -141,9 +142,3 @@ class _Worker:
 # idle workers; a forked child has none, because threads are not copied
 _idle: list[_Worker] = []
 os.register_at_fork(after_in_child=_idle.clear)
-
-
-def _discard(outcome: tuple[int, int, int] | BaseException, wrap: Callable[[int], Any]) -> None:
-    """Release a result that is no longer needed."""
-    if not isinstance(outcome, BaseException) and outcome[1] == 0:
-        wrap(outcome[0]).close()

@@ -64,6 +64,15 @@ def raise_for(
     raise (OutputError if writing else _ERRORS.get(status, NumericalError))(text)
 
 
+def call(procedure: Callable[..., Any], *arguments: object, source: str = "") -> list[Any]:
+    """Call a procedure whose results end with status and length of a message; return the others."""
+    message = message_buffer()
+    found: list[Any]
+    *found, status, length = procedure(*arguments, message)
+    raise_for(status, message, length, source=source)
+    return found
+
+
 def fetch_text(procedure: Callable[..., int], *arguments: object) -> str:
     """Fetch a text, with a second call when the first buffer is too small."""
     size = FIRST_BUFFER

@@ -13,7 +13,7 @@ from rwmf._kernel import rwmf_bindings_python_cost as _cost
 from rwmf._reference import rwmf_bindings_python_reference as _reference
 from rwmf.errors import InputError
 from rwmf.kernel.kernel_thread import wait_for
-from rwmf.kernel.marshalling import encode, fetch_text, message_buffer
+from rwmf.kernel.marshalling import encode, fetch_text
 
 if TYPE_CHECKING:
     from rwmf.case import Case
@@ -53,9 +53,6 @@ class Measurement:
     seconds: float
     dt: float = float("nan")
 
-    def close(self) -> None:
-        """Do nothing: all data have been copied."""
-
 
 @dataclasses.dataclass(frozen=True)
 class Reference(Measurement):
@@ -78,45 +75,14 @@ def requested_peak(case: Case) -> str | None:
 
 def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measurement:
     """Measure repeated runs of a case with a method and a tolerance."""
-
-    def call(
-        control: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
-    ) -> tuple[dict[str, Any], int, int]:
-        seconds, counts, status, n = _cost.measure(
-            case.kernel.handle,
-            encode(method),
-            rtol,
-            budget,
-            control,
-            buffers.values,
-            buffers.impact_times,
-            message,
-        )
-        return {"seconds": seconds} | _counts(counts), status, n
-
-    found, buffers = _run(call, case)
-    return Measurement(**buffers.content(found["impacts"], case), **found)
+    asked = (case.kernel.handle, encode(method), rtol, budget)
+    return _measured(case, lambda control, *buffers: _cost.measure(*asked, control, *buffers))
 
 
 def measure_fixed_steps(case: Case, name: str, divisor: float, budget: float) -> Measurement:
     """Measure repeated runs of a case with fixed steps."""
-
-    def call(
-        _: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
-    ) -> tuple[dict[str, Any], int, int]:
-        seconds, dt, counts, status, n = _cost.measure_fixed_steps(
-            case.kernel.handle,
-            name == "newmark",
-            divisor,
-            budget,
-            buffers.values,
-            buffers.impact_times,
-            message,
-        )
-        return {"seconds": seconds, "dt": dt} | _counts(counts), status, n
-
-    found, buffers = _run(call, case)
-    return Measurement(**buffers.content(found["impacts"], case), **found)
+    asked = (case.kernel.handle, name == "newmark", divisor, budget)
+    return _measured(case, lambda _, *buffers: _cost.measure_fixed_steps(*asked, *buffers))
 
 
 def solve_reference(
@@ -132,97 +98,48 @@ def solve_reference(
     """
     if case.motions:
         raise InputError("the quadruple kernel reads records from files: case.to_namelist(path)")
-    differences = np.full(_n_values(), np.nan)
-
-    def call(
-        control: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
-    ) -> tuple[dict[str, Any], int, int]:
-        seconds, counts, status, n = _reference.solve(
-            encode(case.text),
-            encode(case.kernel_source()),
-            rtol_loose,
-            rtol,
-            control,
-            buffers.values,
-            differences,
-            buffers.impact_times,
-            message,
-        )
-        return {"seconds": seconds} | _counts(counts), status, n
-
-    found, buffers = _run(call, case, progress)
-    return Reference(
-        **buffers.content(found["impacts"], case),
-        **found,
-        differences=_by_name(differences, case),
+    differences = np.full(len(_names()), np.nan)
+    asked = (encode(case.text), encode(case.kernel_source()), rtol_loose, rtol)
+    found = _measured(
+        case,
+        lambda control, values, *buffers: _reference.solve(
+            *asked, control, values, differences, *buffers
+        ),
+        progress,
     )
+    return Reference(**vars(found), differences=_by_name(differences, case))
 
 
-class _Buffers:
-    """Arrays filled by the kernel."""
-
-    def __init__(self) -> None:
-        self.values = np.full(_n_values(), np.nan)
-        self.impact_times = np.zeros(_MOST_IMPACTS)
-
-    def content(self, impacts: int, case: Case) -> dict[str, Any]:
-        return {
-            "values": _by_name(self.values, case),
-            "impact_times": self.impact_times[:impacts].copy(),
-        }
-
-
-_Call = Callable[
-    [npt.NDArray[np.int64], _Buffers, npt.NDArray[np.int8]], tuple[dict[str, Any], int, int]
-]
-
-
-class _Found(dict[str, Any]):
-    """Copied data of a run, independent of the kernel's memory."""
-
-    def close(self) -> None:
-        """Do nothing: there is no memory to release."""
-
-
-def _run(
-    call: _Call, case: Case, progress: Callable[[int], None] | None = None
-) -> tuple[dict[str, Any], _Buffers]:
-    """Wait for the kernel, interruptible by Ctrl-C."""
-    buffers = _Buffers()
-    message = message_buffer()
-    found = _Found()
-
-    def work(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        facts, status, n = call(control, buffers, message)
-        found.update(facts)
-        return 0, status, n
-
-    wait_for(work, message, case.kernel_source(), lambda _: found, progress)
-    return found, buffers
-
-
-def _counts(counts: npt.NDArray[np.int64]) -> dict[str, Any]:
-    steps, rhs_evaluations, impacts, overturned = (int(count) for count in counts)
-    return {
-        "steps": steps,
-        "rhs_evaluations": rhs_evaluations,
-        "impacts": impacts,
-        "overturned": bool(overturned),
-    }
+def _measured(
+    case: Case, call: Callable[..., Any], progress: Callable[[int], None] | None = None
+) -> Measurement:
+    """Wait for a procedure with flags, values, times of impacts and message as last arguments."""
+    values, impact_times = np.full(len(_names()), np.nan), np.zeros(_MOST_IMPACTS)
+    seconds, *dt, counts = wait_for(
+        lambda control, message: call(control, values, impact_times, message),
+        case.kernel_source(),
+        lambda *found: found,
+        progress,
+    )
+    steps, evaluations, impacts, overturned = map(int, counts)
+    return Measurement(
+        _by_name(values, case),
+        impact_times[:impacts].copy(),
+        steps,
+        evaluations,
+        impacts,
+        bool(overturned),
+        seconds,
+        *dt,
+    )
 
 
 def _names() -> list[str]:
     return fetch_text(_cost.value_names).split()
 
 
-def _n_values() -> int:
-    return len(_names())
-
-
 def _by_name(values: npt.NDArray[np.float64], case: Case) -> dict[str, float]:
     named = dict(zip(_names(), values.tolist(), strict=True))
     peak = named.pop("peak")
     requested = requested_peak(case)
-    if requested is not None:
-        named[requested] = peak
-    return named
+    return named if requested is None else named | {requested: peak}

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import os
 import re
-import shlex
 import sys
 from pathlib import Path
 from typing import TypeVar
@@ -72,6 +70,10 @@ PACKAGES = {
 
 def how_to_install(purpose: str) -> str:
     """Return the command that installs the packages for a purpose."""
+    # imported here: few messages need it
+    import importlib.metadata
+    import shlex
+
     try:
         importlib.metadata.distribution("rwmf")
     except importlib.metadata.PackageNotFoundError:

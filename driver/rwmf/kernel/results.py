@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -20,8 +20,6 @@ from rwmf.kernel.marshalling import (
     MemoryView,
     encode,
     fetch_text,
-    message_buffer,
-    raise_for,
     split_lines,
     summary_item,
 )
@@ -109,14 +107,8 @@ class Run(Result):
 
     def write(self, text: str, source: str, folder: str) -> None:
         """Write the files of the batch program, named after `source`, into `folder`."""
-        message = message_buffer()
-        words = (encode(text), encode(source), encode(folder))
-        status, n = write(
-            lambda control: _kernel.result_write(
-                self._case.handle, self.handle, *words, control, message
-            )
-        )
-        raise_for(status, message, n, writing=True)
+        asked = (self._case.handle, self.handle, encode(text), encode(source), encode(folder))
+        write(lambda *buffers: _kernel.result_write(*asked, *buffers))
 
 
 class Spectrum(Result):
@@ -163,14 +155,8 @@ class Spectrum(Result):
 
     def write(self, text: str, path: str) -> None:
         """Write the CSV file of the batch program, with the namelist text of the case in it."""
-        message = message_buffer()
-        words = (encode(text), encode(path))
-        status, n = write(
-            lambda control: _kernel.spectrum_write(
-                self._case.handle, self.handle, *words, control, message
-            )
-        )
-        raise_for(status, message, n, writing=True)
+        asked = (self._case.handle, self.handle, encode(text), encode(path))
+        write(lambda *buffers: _kernel.spectrum_write(*asked, *buffers))
 
 
 Array = npt.NDArray[np.float64]
@@ -208,17 +194,8 @@ def compute_curve(
     case: KernelCase, source: str, pattern: str, forces: Array, drifts: Array, steps: int
 ) -> StaticCurve:
     """Move the roof of a case slowly through a protocol of drifts."""
-    message = message_buffer()
-
-    def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        handle, status, n = _curves.pushover(
-            case.handle, encode(pattern), forces, drifts, steps, control, message
-        )
-        return handle, status, n
-
-    with case.own_lines():
-        found = wait_for(call, message, source, lambda handle: Result(case, handle), None)
-    with found:
+    asked = (encode(pattern), forces, drifts, steps)
+    with _started(Result, case, source, None, _curves.pushover, *asked) as found:
         return _copy(case, found.handle)
 
 
@@ -248,16 +225,30 @@ def check_threads(threads: int, name: str = "threads") -> int:
     return number
 
 
+_Kept = TypeVar("_Kept", bound=Result)
+
+
+def _started(
+    kind: type[_Kept],
+    case: KernelCase,
+    source: str,
+    progress: Progress | None,
+    procedure: Callable[..., Any],
+    *asked: object,
+) -> _Kept:
+    """Compute in a worker thread; the procedure returns the handle of its result."""
+    with case.own_lines():
+        return wait_for(
+            lambda *buffers: procedure(case.handle, *asked, *buffers),
+            source,
+            lambda handle: kind(case, handle),
+            progress,
+        )
+
+
 def start_simulation(case: KernelCase, source: str, progress: Progress | None = None) -> Run:
     """Run one simulation in a worker thread."""
-    message = message_buffer()
-
-    def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        handle, status, n = _kernel.simulate(case.handle, control, message)
-        return handle, status, n
-
-    with case.own_lines():
-        return wait_for(call, message, source, lambda handle: Run(case, handle), progress)
+    return _started(Run, case, source, progress, _kernel.simulate)
 
 
 def start_spectrum(
@@ -268,16 +259,8 @@ def start_spectrum(
     quantities: Sequence[str] = (),
 ) -> Spectrum:
     """Compute a spectrum in a worker thread."""
-    message = message_buffer()
-    threads = check_threads(threads)
-    keys = encode("\t".join(quantities))
-
-    def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        handle, status, n = _kernel.spectrum(case.handle, keys, threads, control, message)
-        return handle, status, n
-
-    with case.own_lines():
-        return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)
+    asked = (encode("\t".join(quantities)), check_threads(threads))
+    return _started(Spectrum, case, source, progress, _kernel.spectrum, *asked)
 
 
 def start_rows(
@@ -290,15 +273,8 @@ def start_rows(
     progress: Progress | None = None,
 ) -> Spectrum:
     """Compute runs of one case with different numbers in a worker thread."""
-    message = message_buffer()
-    threads = check_threads(threads)
     # the kernel's order; row-wise data need no copy
     table = np.ascontiguousarray(values, dtype=np.float64).T
     names, keys = encode("\t".join(columns)), encode("\t".join(quantities))
-
-    def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
-        handle, status, n = _kernel.rows(case.handle, names, table, keys, threads, control, message)
-        return handle, status, n
-
-    with case.own_lines():
-        return wait_for(call, message, source, lambda handle: Spectrum(case, handle), progress)
+    asked = (names, table, keys, check_threads(threads))
+    return _started(Spectrum, case, source, progress, _kernel.rows, *asked)

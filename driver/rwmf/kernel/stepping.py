@@ -20,8 +20,8 @@ from rwmf._kernel import rwmf_bindings_python_hosts as _hosts
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf.errors import InputError
 from rwmf.kernel.kernel_case import KernelCase
-from rwmf.kernel.kernel_thread import NoResult, wait_for
-from rwmf.kernel.marshalling import Memory, fetch_text, message_buffer, raise_for
+from rwmf.kernel.kernel_thread import wait_for
+from rwmf.kernel.marshalling import Memory, call, fetch_text, message_buffer, raise_for
 from rwmf.kernel.numbers import float_of, show
 
 _Reals = npt.NDArray[np.float64]
@@ -63,9 +63,7 @@ class KernelWalls:
         self._message = message_buffer()
         self._control = np.zeros(2, dtype=np.int64)
         handles = [case.handle for case in cases]
-        handle, status, length = _hosts.walls_create(handles, n, t_begin, peak, self._message)
-        raise_for(status, self._message, length, source=source)
-        self._memory = Memory(handle)
+        self._memory = Memory(*call(_hosts.walls_create, handles, n, t_begin, peak, source=source))
         self.n = n
         # time reached [s], and processor time of a second of motion in the last call
         self._t, self._pace = t_begin, math.inf
@@ -81,11 +79,8 @@ class KernelWalls:
             if status:
                 raise_for(status, message, length)
         else:
-
-            def call(control: _Counts) -> tuple[int, int, int]:
-                return (0, *_hosts.walls_advance(handle, t, a, threads, control, message))
-
-            wait_for(call, message, "", NoResult, None)
+            asked = (handle, t, a, threads)
+            wait_for(lambda *buffers: _hosts.walls_advance(*asked, *buffers), "", lambda: None)
         self._t = target
         if span > 0:
             self._pace = (time.perf_counter() - begun) / span
@@ -117,15 +112,13 @@ class KernelWalls:
         """Return the states, written by the kernel into new arrays."""
         reals = np.empty((_REALS, self.n))
         counts = np.empty((_COUNTS, self.n), dtype=np.int64)
-        status, length = _hosts.walls_state(self._memory.handle, reals.T, counts.T, self._message)
-        raise_for(status, self._message, length)
+        call(_hosts.walls_state, self._memory.handle, reals.T, counts.T)
         return reals, counts
 
     def forces(self) -> _Reals:
         """Return the forces, written by the kernel into a new array."""
         forces = np.empty((_FORCES, self.n))
-        status, length = _hosts.walls_forces(self._memory.handle, forces.T, self._message)
-        raise_for(status, self._message, length)
+        call(_hosts.walls_forces, self._memory.handle, forces.T)
         return forces
 
     def events(self) -> tuple[_Counts, npt.NDArray[np.int32], _Reals]:
@@ -141,16 +134,11 @@ class KernelWalls:
 
     def save(self) -> Saved:
         """Save the states of all walls."""
-        handle, status, length = _hosts.walls_save(self._memory.handle, self._message)
-        raise_for(status, self._message, length)
-        return Saved(Memory(handle), self.n, self._t)
+        return Saved(Memory(*call(_hosts.walls_save, self._memory.handle)), self.n, self._t)
 
     def restore(self, saved: Saved) -> None:
         """Restore the states of all walls."""
-        status, length = _hosts.walls_restore(
-            self._memory.handle, saved.memory.handle, self._message
-        )
-        raise_for(status, self._message, length)
+        call(_hosts.walls_restore, self._memory.handle, saved.memory.handle)
         self._t = saved.t
 
 
@@ -187,15 +175,9 @@ class KernelMember:
     """A wall in the kernel with the state of its springs; returns forces to motions of a host."""
 
     def __init__(self, case: KernelCase, source: str) -> None:
-        message = message_buffer()
-        handle, status, length = _hosts.member_create(case.handle, message)
-        raise_for(status, message, length, source=source)
-        self._memory = Memory(handle)
-        self.dofs, self.modes, self.floors, self.links = (int(n) for n in self._info()[:4])
-
-    def _info(self) -> _Counts:
-        counts: _Counts = _hosts.member_info(self._memory.handle)[0]
-        return counts
+        self._memory = Memory(*call(_hosts.member_create, case.handle, source=source))
+        counts = _hosts.member_info(self._memory.handle)[0]
+        self.dofs, self.modes, _, self.links = (int(n) for n in counts[:4])
 
     def committed(self) -> tuple[int, bool, float]:
         """Return the committed state."""
@@ -216,15 +198,11 @@ class KernelMember:
 
     def change(self, change: int) -> None:
         """Change the state."""
-        message = message_buffer()
-        status, length = _hosts.member_change(self._memory.handle, change, message)
-        raise_for(status, message, length)
+        call(_hosts.member_change, self._memory.handle, change)
 
     def place(self, side: int) -> None:
         """Set the side of a wall that is committed at u = 0."""
-        message = message_buffer()
-        status, length = _hosts.member_place(self._memory.handle, side, message)
-        raise_for(status, message, length)
+        call(_hosts.member_place, self._memory.handle, side)
 
     def save(self) -> Saved:
         """Save the committed and the trial state."""
@@ -236,35 +214,23 @@ class KernelMember:
 
     def links_of(self, motion: _Reals) -> _Reals:
         """Return the motion of the wall at its links."""
-        message = message_buffer()
         found = np.empty((3 + self.dofs, self.links))
-        status, length = _hosts.member_links(self._memory.handle, motion, found.T, message)
-        raise_for(status, message, length)
+        call(_hosts.member_links, self._memory.handle, motion, found.T)
         return found
 
     def next_event(self, numbers: _Reals, has_branches: bool) -> tuple[int, float, int]:
         """Find the first event of a step."""
-        message = message_buffer()
-        event, status, length = _hosts.member_next_event(
-            self._memory.handle, numbers, int(has_branches), message
-        )
-        raise_for(status, message, length)
-        return int(event[0]), float(event[1]), int(event[2])
+        asked = (numbers, int(has_branches))
+        ((kind, tau, side),) = call(_hosts.member_next_event, self._memory.handle, *asked)
+        return int(kind), float(tau), int(side)
 
     def land(self, displacements: _Reals, velocities: _Reals, mass: _Reals) -> None:
         """Apply an impact: change the velocities and the side."""
-        message = message_buffer()
-        status, length = _hosts.member_land(
-            self._memory.handle, displacements, velocities, mass, message
-        )
-        raise_for(status, message, length)
+        call(_hosts.member_land, self._memory.handle, displacements, velocities, mass)
 
     def settles(self, numbers: _Reals, mass: _Reals) -> bool:
         """Tell whether the wall may be put to rest after an impact."""
-        message = message_buffer()
-        answer, status, length = _hosts.member_rests(self._memory.handle, numbers, mass, message)
-        raise_for(status, message, length)
-        return bool(answer)
+        return bool(*call(_hosts.member_rests, self._memory.handle, numbers, mass))
 
 
 @functools.cache

@@ -14,11 +14,10 @@ from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf.kernel.marshalling import (
     Memory,
+    call,
     decode,
     encode,
     fetch_text,
-    message_buffer,
-    raise_for,
     split_lines,
     split_table,
 )
@@ -73,20 +72,16 @@ class FileChannel(NamedTuple):
 
 def read_record_header(content: bytes) -> FileHeader:
     """Read the header of a record file."""
-    message, buffer = message_buffer(), np.empty(_BUFFER, dtype=np.int8)
-    length, status, n = _cases.record_header(_bytes(content), buffer, message)
-    raise_for(status, message, n)
+    buffer = np.empty(_BUFFER, dtype=np.int8)
+    (length,) = call(_cases.record_header, _bytes(content), buffer)
     name, unit, channels = decode(buffer, length).split("\t")
     return FileHeader(name == "AT2", unit or None, int(channels))
 
 
 def read_record(content: bytes, unit: str | None, dt: float | None) -> list[FileChannel]:
     """Read the samples of a record file."""
-    message = message_buffer()
-    handle, channels, status, n = _cases.record_read(
-        _bytes(content), encode(unit or ""), 0.0 if dt is None else dt, message
-    )
-    raise_for(status, message, n)
+    asked = (encode(unit or ""), 0.0 if dt is None else dt)
+    handle, channels = call(_cases.record_read, _bytes(content), *asked)
     memory = Memory(handle)
     return [_channel(memory.handle, i + 1) for i in range(int(channels))]
 

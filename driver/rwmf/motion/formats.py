@@ -151,11 +151,6 @@ _CSMNC_LINES = 20
 _COMPONENT = re.compile(r"COMP\.\s*(\S+)")
 
 
-def is_csmnc(lines: list[str]) -> bool:
-    """Recognise a file of the China Strong Motion Network Centre."""
-    return any("CORRECTED ACCELERATION " in line and "UNIT:" in line for line in lines)
-
-
 def read_csmnc(lines: list[str], name: str) -> list[Channel]:
     """Read a file of the China Strong Motion Network Centre."""
     text = "\n".join(lines[:_CSMNC_LINES])
@@ -211,11 +206,6 @@ _KIK_NET = {
 }
 
 
-def is_dyna(lines: list[str]) -> bool:
-    """Recognise an ASCII file of ESM or ITACA."""
-    return bool(lines) and lines[0].startswith("EVENT_NAME:")
-
-
 def read_dyna(lines: list[str], name: str) -> list[Channel]:
     """Read an ASCII file of the Engineering Strong Motion database or ITACA."""
     n = next((i for i, line in enumerate(lines) if ":" not in line), len(lines))
@@ -236,11 +226,6 @@ def read_dyna(lines: list[str], name: str) -> list[Channel]:
     direction = "Z" if stream.endswith("Z") else stream
     motion = Motion(values, dt=dt, unit=unit, name=name)
     return [Channel(motion, direction, dialect)]
-
-
-def is_nied(lines: list[str]) -> bool:
-    """Recognise an ASCII file of K-NET or KiK-net."""
-    return bool(lines) and lines[0].startswith("Origin Time")
 
 
 def read_nied(lines: list[str], name: str) -> list[Channel]:
@@ -264,11 +249,6 @@ def read_nied(lines: list[str], name: str) -> list[Channel]:
     direction = header.get("Dir.", "")
     motion = Motion(values, dt=1 / rate, unit="cm/s2", name=name)
     return [Channel(motion, _KIK_NET.get(direction, direction), "K-NET")]
-
-
-def is_nied_csv(lines: list[str]) -> bool:
-    """Recognise a CSV file of K-NET or KiK-net."""
-    return bool(lines) and lines[0].lower().startswith(("#k-net", "#kik-net"))
 
 
 def read_nied_csv(lines: list[str], name: str) -> list[Channel]:
@@ -458,11 +438,6 @@ _CGS_PEAK = re.compile(
 _CHANNEL = re.compile(r"(?:Sta )?Cha\w*\s+[\d?]*:\s*(.*?)\s*(?:\(|from\b|$)")
 
 
-def is_cosmos(lines: list[str]) -> bool:
-    """Recognise a COSMOS file of accelerations."""
-    return bool(lines) and "acceleration" in lines[0] and "(Format v" in lines[0]
-
-
 def read_cosmos(lines: list[str], name: str) -> list[Channel]:
     """Read the accelerations of a COSMOS file, format 1.20."""
     if _COSMOS_VERSION not in lines[0]:
@@ -487,12 +462,6 @@ def read_cosmos(lines: list[str], name: str) -> list[Channel]:
         motion = Motion(values, dt=dt, unit=unit, name=title)
         channels.append(Channel(motion, _direction(lines[:i]), "COSMOS", len(places) == 1))
     return channels
-
-
-def is_cgs(lines: list[str]) -> bool:
-    """Recognise volume 1 or 2 of the California Geological Survey."""
-    begins = ("Uncorrected Accelerogram Data", "Corrected accelerogram ")
-    return bool(lines) and lines[0].startswith(begins)
 
 
 def read_cgs(lines: list[str], name: str) -> list[Channel]:

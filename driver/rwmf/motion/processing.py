@@ -80,50 +80,34 @@ class Processed(NamedTuple):
     steps: tuple[str, ...]
 
 
-class Steps(NamedTuple):
-    """The requested steps; None for those that are left out.
-
-    Attributes
-    ----------
-    resample : float or None
-        Interval [s].
-    baseline : int or None
-        Order of the polynomial in the acceleration.
-    taper : float or None
-        Length at both ends [s].
-    band : tuple of float or None
-        Corner frequencies [Hz]; 0 and infinity leave a side out.
-    poles : int
-        Order of the filter.
-    """
-
-    resample: float | None
-    baseline: int | None
-    taper: float | None
-    band: tuple[float, float] | None
-    poles: int
-
-
-def process(motion: Motion, steps: Steps) -> Processed:
-    """Apply the steps in their order."""
+def process(
+    motion: Motion,
+    *,
+    resample: float | None,
+    baseline: int | None,
+    taper: float | None,
+    band: tuple[float, float] | None,
+    poles: int,
+) -> Processed:
+    """Apply the steps in their order; None for those that are left out."""
     done: list[str] = []
     values, dt = motion.values, interval_of(motion)
-    if steps.resample is not None:
-        values, dt = _resample(motion, steps.resample), steps.resample
+    if resample is not None:
+        values, dt = _resample(motion, resample), resample
         done.append(f"resampled on straight lines to dt = {dt:g} s")
     if dt is None:
         raise InputError(f"{motion.name}: the times are uneven: resample is needed")
-    if steps.baseline is not None:
-        values = _without_baseline(values, dt, steps.baseline)
+    if baseline is not None:
+        values = _without_baseline(values, dt, baseline)
         done.append(
-            f"baseline: polynomial of order {steps.baseline} removed, fitted to the velocity by "
-            "least squares"
+            f"baseline: polynomial of order {baseline} removed, fitted to the velocity by least "
+            "squares"
         )
-    if steps.taper is not None:
-        values = _tapered(values, dt, steps.taper)
-        done.append(f"taper: cosine over {steps.taper:g} s at both ends")
-    if steps.band is not None:
-        values, words = _filtered(values, dt, steps.band, steps.poles)
+    if taper is not None:
+        values = _tapered(values, dt, taper)
+        done.append(f"taper: cosine over {taper:g} s at both ends")
+    if band is not None:
+        values, words = _filtered(values, dt, band, poles)
         done.append(words)
     if not done:
         raise InputError("process: no step is given: resample, baseline, taper or band")

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import re
 import stat
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from rwmf.errors import InputError
 from rwmf.kernel import tables
-from rwmf.motion import formats as blocks
-from rwmf.motion import formats as networks
+from rwmf.motion import formats
 from rwmf.motion.formats import Channel, read_by_kernel
 
 VERTICAL = "vertical"
@@ -42,6 +40,8 @@ _PATTERNS = tuple(
         rf"(?P<key>)(?P<part>\d{{3}}|(?P<up>up|dwn|down|vert?(?:ical)?|u-?d|[vz])|{_LEVEL})\.\w+",
     )
 )
+# endings of tables, whose third column or file need not be vertical
+_TABLES = (".csv", ".txt", ".dat")
 _VERTICAL_PARTS = ("ud", "z", "3")
 # a component that no pattern knows: a letter, two digits, or at most four letters behind a mark
 _SHORT = re.compile(r"(.+?)(?:[-_. ]+\w{1,4}|\d\d|[nsewltxyh])\.\w+", re.IGNORECASE)
@@ -88,12 +88,11 @@ def verticals_beside(paths: Iterable[Path]) -> set[Path]:
         path
         for place, part, path in upward
         if place in level
-        and (part != "3" or (sorted(level[place]) == ["1", "2"] and not _is_table(path)))
+        and (
+            part != "3"
+            or (sorted(level[place]) == ["1", "2"] and path.suffix.lower() not in _TABLES)
+        )
     }
-
-
-def _is_table(path: Path) -> bool:
-    return path.suffix.lower() in (".csv", ".txt", ".dat")
 
 
 def is_left_behind(path: Path) -> bool:
@@ -109,20 +108,14 @@ RECORD_SUFFIXES = (
 VERTICAL_SUFFIXES = (".ud", ".ud1", ".ud2")
 
 
-@dataclass(frozen=True)
-class _Dialect:
-    name: str
-    is_it: Callable[[list[str]], bool]
-    read: Callable[[list[str], str], list[Channel]]
-
-
+# name, mark in the head of a file, and reader of each format
 _DIALECTS = (
-    _Dialect("ESM", networks.is_dyna, networks.read_dyna),
-    _Dialect("K-NET", networks.is_nied, networks.read_nied),
-    _Dialect("K-NET CSV", networks.is_nied_csv, networks.read_nied_csv),
-    _Dialect("CSMNC", networks.is_csmnc, networks.read_csmnc),
-    _Dialect("COSMOS", blocks.is_cosmos, blocks.read_cosmos),
-    _Dialect("CGS", blocks.is_cgs, blocks.read_cgs),
+    ("ESM", r"\AEVENT_NAME:", formats.read_dyna),
+    ("K-NET", r"\AOrigin Time", formats.read_nied),
+    ("K-NET CSV", r"(?i)\A#(k-net|kik-net)", formats.read_nied_csv),
+    ("CSMNC", r"(?m)^(?=.*CORRECTED ACCELERATION ).*UNIT:", formats.read_csmnc),
+    ("COSMOS", r"\A(?=.*acceleration).*\(Format v", formats.read_cosmos),
+    ("CGS", r"\A(Uncorrected Accelerogram Data|Corrected accelerogram )", formats.read_cgs),
 )
 _HEAD_BYTES = 1000
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -139,39 +132,32 @@ def read_bytes(path: Path) -> bytes:
         raise InputError(f"records: {path}: cannot be read: {error.strerror}") from error
 
 
-def is_at2(content: bytes) -> bool:
-    """Recognise an AT2 file, whatever its name."""
-    return tables.read_record_header(content).is_at2
-
-
-def unit_of_header(content: bytes) -> str | None:
-    """Return the unit that the header of a table or an AT2 file states."""
-    return tables.read_record_header(content).unit
-
-
 def read_channels(
     path: Path, content: bytes, unit: str | None, dt: float | None, *, is_any: bool = True
 ) -> Sequence[Channel]:
     """Read the channels of a file."""
     # a dialect shows in its first line, and long tables need no list of lines
     head = _lines(content[:_HEAD_BYTES])
-    dialect = next((item for item in _DIALECTS if item.is_it(head)), None)
-    unread = networks.unread_format(head)
+    text = "\n".join(head)
+    dialect, read = next(
+        ((name, read) for name, mark, read in _DIALECTS if re.search(mark, text)), ("", None)
+    )
+    unread = formats.unread_format(head)
     try:
         if unread is not None:
             raise InputError(
                 f"the format {unread} is not read: write two columns of time [s] and acceleration"
             )
-        if dialect is None:
+        if read is None:
             return _read_plain(path.stem, content, unit, dt, is_any)
         if unit is not None or dt is not None:
             key = "unit" if dt is None else "dt"
             raise InputError(
-                f"the file ({dialect.name}) gives unit and interval: {key} must not be given"
+                f"the file ({dialect}) gives unit and interval: {key} must not be given"
             )
-        return dialect.read(_lines(content), path.stem)
+        return read(_lines(content), path.stem)
     except InputError as error:
-        place = "" if dialect is None or unread is not None else f"{dialect.name}: "
+        place = "" if read is None or unread is not None else f"{dialect}: "
         raise InputError(f"records: {path}: {place}{error}") from error
 
 

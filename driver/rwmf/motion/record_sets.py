@@ -24,16 +24,15 @@ from rwmf.errors import InputError, warn
 from rwmf.kernel import files
 from rwmf.kernel.names import how_to_install, problem_of_name, shorten
 from rwmf.kernel.numbers import show, to_number
+from rwmf.kernel.tables import read_record_header
 from rwmf.motion.lists import read_list
 from rwmf.motion.reader import (
     RECORD_SUFFIXES,
     VERTICAL,
     VERTICAL_SUFFIXES,
-    is_at2,
     is_left_behind,
     read_bytes,
     read_channels,
-    unit_of_header,
     verticals_beside,
 )
 
@@ -360,10 +359,11 @@ def _components(
     where = str(path.absolute())
     channels = read_channels(path, content, unit, dt, is_any=False)
     if not channels:
-        if is_at2(content):
+        header = read_record_header(content)
+        if header.is_at2:
             unit, dt = None, None
         elif unit is None:
-            unit = unit_of_header(content)
+            unit = header.unit
         return [(RecordFile(path.stem, where, crc, unit, dt), "", None)]
     found: list[Component] = []
     for channel in channels:

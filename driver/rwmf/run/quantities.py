@@ -8,6 +8,7 @@ from dataclasses import astuple, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from rwmf.errors import InputError
 from rwmf.kernel import tables
@@ -180,6 +181,15 @@ def find_numbered(key: str) -> tuple[Quantity, int]:
 def ending_of(summary: Mapping[str, Any]) -> str:
     """Return the ending of a run."""
     return next((name for name in ENDINGS if summary.get(name)), "ok")
+
+
+def fallen(dataset: xr.Dataset) -> npt.NDArray[np.bool_]:
+    """Find the runs of a sweep, a spectrum or a table that overturned or collapsed."""
+    status = dataset["status"]
+    # a sweep has numbers, the others names
+    names = str(status.attrs.get("flag_meanings", "")).split()
+    codes = [names.index(name) if names else name for name in ENDINGS if name in names or not names]
+    return np.isin(status.values, codes)
 
 
 _LIST = "the list: reference/outputs.md"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
@@ -53,21 +52,16 @@ def simulate(case: CaseLike, dt: float | None = None) -> Response:
         After Ctrl-C.
     """
     case = case_of(case)
-    case = case if dt is None else with_history(case, dt)
+    if dt is not None:
+        dt = to_number("dt", dt, above=0.0, wanted="a number > 0 [s]")
+        case = case.replace(output={"dt": dt})
     with start(case) as run:
         return to_dataset(run, case)
 
 
-def with_history(case: Case, dt: float) -> Case:
-    """Return the case with another interval of the history."""
-    return case.replace(output={"dt": to_number("dt", dt, above=0.0, wanted="a number > 0 [s]")})
-
-
-@contextmanager
-def start(case: Case) -> Iterator[results.Run]:
-    """Run a case and keep the kernel's result until the ``with`` block is left."""
-    with results.start_simulation(case.kernel, case.label) as run:
-        yield run
+def start(case: Case) -> results.Run:
+    """Run a case and keep the kernel's result until the end of a ``with`` block."""
+    return results.start_simulation(case.kernel, case.label)
 
 
 def to_dataset(run: results.Run, case: Case) -> Response:

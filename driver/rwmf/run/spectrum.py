@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -117,18 +116,16 @@ def _refuse(case: Case, keys: Sequence[str]) -> None:
         pass
 
 
-@contextmanager
 def start(
     case: Case,
     threads: int = 0,
     progress: Progress | None = None,
     quantities: Sequence[str] = (),
-) -> Iterator[results.Spectrum]:
-    """Compute a case's spectrum and keep it in the kernel until the ``with`` block is left."""
+) -> results.Spectrum:
+    """Compute a case's spectrum and keep it in the kernel until the end of a ``with`` block."""
     total = case.kernel.ordinates()
     report = None if progress is None else lambda done: progress(done, total)
-    with results.start_spectrum(case.kernel, case.label, threads, report, quantities) as sweep:
-        yield sweep
+    return results.start_spectrum(case.kernel, case.label, threads, report, quantities)
 
 
 def to_dataset(sweep: results.Spectrum) -> xr.Dataset:

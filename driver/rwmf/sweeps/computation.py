@@ -14,10 +14,11 @@ from typing import TypedDict
 import xarray as xr
 
 from rwmf.case import CaseLike, Motion
-from rwmf.case.arguments import checked, path_of
+from rwmf.case.arguments import checked
 from rwmf.case.namelist import read_text
 from rwmf.errors import InputError, Interrupted, OutputError
 from rwmf.kernel import files
+from rwmf.kernel.files import path_of
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import ORDINATES as QUANTITIES
@@ -93,8 +94,8 @@ def _curves(part: _Part) -> list[list[str]]:
     return list(curves.values())
 
 
-class RunOptions(TypedDict, total=False):
-    """Arguments of `sweep` on the execution of its runs, which studies pass on.
+class SweepOptions(TypedDict, total=False):
+    """Arguments of `sweep` that studies pass on: execution of its runs, reading of records.
 
     Attributes
     ----------
@@ -107,25 +108,16 @@ class RunOptions(TypedDict, total=False):
         finished and of all runs.
     chunk : int
         Largest number of runs in a chunk, 0 for the default.
-    """
-
-    threads: int
-    executor: Executor | None
-    progress: Reports
-    chunk: int
-
-
-class SweepOptions(RunOptions, total=False):
-    """Arguments of `sweep` that studies pass on, including those on reading records.
-
-    Attributes
-    ----------
     unit : str, optional
         Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
     dt : float, optional
         Sampling interval of records of one column [s].
     """
 
+    threads: int
+    executor: Executor | None
+    progress: Reports
+    chunk: int
     unit: str | None
     dt: float | None
 

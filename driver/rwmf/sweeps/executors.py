@@ -35,26 +35,6 @@ class _StoppedError(Exception):
     """Stops the kernels of the other threads."""
 
 
-class _Counter:
-    """Number of finished runs in unfinished chunks, and the stop flag."""
-
-    def __init__(self) -> None:
-        self._done: dict[int, int] = {}
-        self.stop = threading.Event()
-
-    def count(self, number: int, done: int) -> None:
-        if self.stop.is_set():
-            raise _StoppedError
-        self._done[number] = done
-
-    def forget(self, number: int) -> None:
-        self._done.pop(number, None)
-
-    def total(self) -> int:
-        # copy, because other threads modify it
-        return sum(list(self._done.values()))
-
-
 def count_threads(threads: int) -> int:
     """Return the number of threads to use."""
     if check_threads(threads) > 0:
@@ -74,30 +54,34 @@ def run_in_threads(
     """Compute chunks with threads of this process."""
     n = count_threads(threads)
     alone = len(numbers) < _CHUNKS_A_THREAD * n
-    counter = _Counter()
+    # finished runs in unfinished chunks
+    done: dict[int, int] = {}
+    stop = threading.Event()
 
     def work(task: Task) -> Chunk:
+        def count(runs: int) -> None:
+            if stop.is_set():
+                raise _StoppedError
+            done[task.number] = runs
+
         try:
-            return run_task(task, lambda done: counter.count(task.number, done))
+            return run_task(task, count)
         finally:
-            counter.forget(task.number)
+            done.pop(task.number, None)
+
+    def report_count() -> None:
+        if report is not None:
+            # copy, because other threads modify it
+            report(sum(list(done.values())))
 
     tasks = (make(number, n if alone else 1) for number in numbers)
     with ThreadPoolExecutor(1 if alone else n, thread_name_prefix="rwmf-sweep") as executor:
         try:
-            window = _CHUNKS_AHEAD * n
-            yield from _stream(
-                executor, work, tasks, lambda: _report_count(report, counter), window
-            )
+            yield from _stream(executor, work, tasks, report_count, _CHUNKS_AHEAD * n)
         except BaseException:
-            counter.stop.set()
+            stop.set()
             executor.shutdown(wait=True, cancel_futures=True)
             raise
-
-
-def _report_count(report: Report | None, counter: _Counter) -> None:
-    if report is not None:
-        report(counter.total())
 
 
 def run_on(executor: Executor, tasks: Iterable[Task]) -> Iterator[Chunk]:
@@ -177,25 +161,28 @@ def _processes(_: str, workers: int) -> Iterator[Executor]:
 
 
 @contextmanager
-def _mpi(_: str, __: int) -> Iterator[Executor]:
+def _needed(engine: str, package: str) -> Iterator[None]:
+    """Name the package that an engine lacks."""
     try:
-        from mpi4py.futures import MPIPoolExecutor
+        yield
     except ImportError as error:
         raise InputError(
-            f"engine mpi: needs the package mpi4py and an MPI ({error}): {how_to_install('mpi')}"
+            f"engine {engine}: needs the package {package} ({error}): {how_to_install(engine)}"
         ) from error
+
+
+@contextmanager
+def _mpi(_: str, __: int) -> Iterator[Executor]:
+    with _needed("mpi", "mpi4py and an MPI"):
+        from mpi4py.futures import MPIPoolExecutor
     with MPIPoolExecutor() as executor:
         yield executor
 
 
 @contextmanager
 def _dask(address: str, workers: int) -> Iterator[Executor]:
-    try:
+    with _needed("dask", "distributed"):
         from distributed import Client
-    except ImportError as error:
-        raise InputError(
-            f"engine dask: needs the package distributed ({error}): {how_to_install('dask')}"
-        ) from error
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
     try:
         # silence messages about workers that start and stop

@@ -26,15 +26,6 @@ from rwmf.sweeps.plan import Chunk
 if TYPE_CHECKING:
     from h5netcdf import File, Variable
 
-__all__ = [
-    "assemble",
-    "attributes",
-    "check_package",
-    "read_identity",
-    "status_names",
-    "write",
-]
-
 Array = npt.NDArray[np.float64] | npt.NDArray[np.uint8]
 Source = Callable[[int], Chunk]
 # values per compressed block of the file

@@ -124,7 +124,7 @@ def run_task(task: Task, progress: Progress | None = None) -> Chunk:
 
 def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any]]:
     samples = {group: motion.samples for group, motion in task.motions.items()}
-    case = kernel_case.read_case(compose(task.entries), task.source, None, **samples)
+    case = kernel_case.read_case(compose(task.entries), task.source, None, samples)
     allowed = case.applicable()
     # both names of a quantity have the same key
     requested = dict.fromkeys(QUANTITIES[name].key for name in task.quantities)
@@ -274,7 +274,7 @@ class Plan:
         label = label or ", ".join(axis.where(0) for axis in self.axes) or "the case"
         samples = {group: motion.samples for group, motion in self._motions(at).items()}
         try:
-            return kernel_case.read_case(compose(entries), self.source, known, **samples)
+            return kernel_case.read_case(compose(entries), self.source, known, samples)
         except InputError as error:
             raise InputError(f"sweep, {label}: {without_lines(str(error))}") from error
 
@@ -393,6 +393,7 @@ def varied_keys(case: Case, grid: Mapping[str, object], points: Axis | None) -> 
 def _make_layout(
     case: Case, text: str, axes: Sequence[Axis], quantities: tuple[str, ...], block: int
 ) -> Layout:
+    varies = any(("solver", "method") in axis.keys for axis in axes)
     return Layout(
         version=tables.version(),
         case=text,
@@ -401,13 +402,8 @@ def _make_layout(
         block=block,
         quantities=quantities,
         motion_crc32="" if _has_records(axes) else _own_record(case),
-        method=_method(case, axes),
+        method="" if varies else case.kernel.spectrum_method(),
     )
-
-
-def _method(case: Case, axes: Sequence[Axis]) -> str:
-    varies = any(("solver", "method") in axis.keys for axis in axes)
-    return "" if varies else case.kernel.spectrum_method()
 
 
 def _check_names(grid: Mapping[str, object], axes: Sequence[Axis], points: Axis | None) -> None:
@@ -466,7 +462,8 @@ def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) ->
         if name in grid:
             yield grid_axis(name, grid[name])
         elif name in spectrum or (name == "T_s" and "n" in spectrum):
-            yield grid_axis(name, _values_of_spectrum(name, spectrum))
+            values = spectrum[name] if name in spectrum else _periods(spectrum)
+            yield grid_axis(name, list(values))
         # a block keeps its size unless the grid sets another
         elif points is None and name not in follows and (name != "T_s" or "frame" in case.groups):
             if axis.value is None:
@@ -490,10 +487,6 @@ def _labelled(axis: Axis, case: Case, intensity: Intensity | None) -> Axis:
         return item
 
     return replace(axis, coordinates=tuple(map(label, axis.coordinates)))
-
-
-def _values_of_spectrum(name: str, spectrum: Mapping[str, Any]) -> list[float]:
-    return list(spectrum[name]) if name in spectrum else list(_periods(spectrum))
 
 
 def _periods(spectrum: Mapping[str, Any]) -> Iterator[float]:

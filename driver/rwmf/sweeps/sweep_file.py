@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,20 @@ _KEYS = {
     "period": (float, False),
     "damping": (float, False),
     "periods": (float, True),
+}
+# one value, a list, and a check of each
+_WANTED: dict[type, tuple[str, str, Callable[[Any], bool]]] = {
+    str: ("one text", "a list of texts", lambda x: isinstance(x, str)),
+    float: (
+        "one finite number > 0",
+        "a list of finite numbers > 0",
+        lambda x: isinstance(x, float) and 0 < x < math.inf,
+    ),
+    int: (
+        "one whole number >= 0",
+        "",
+        lambda x: isinstance(x, float) and x.is_integer() and 0 <= x <= _MOST_RUNS,
+    ),
 }
 _PAIR = "eta"
 _PATHS = ("case", "file", "records", "points")
@@ -89,12 +103,8 @@ def _checked(path: str, key: str, items: list[Item]) -> Any:  # noqa: ANN401 (a 
     if key not in _KEYS:
         raise InputError(f"{path}, &sweep: unknown key {key}; allowed are {', '.join(_KEYS)}")
     kind, several = _KEYS[key]
-    wanted = {
-        str: "a list of texts" if several else "one text",
-        float: "a list of finite numbers > 0" if several else "one finite number > 0",
-        int: "one whole number >= 0",
-    }[kind]
-    accepted = {str: _is_text, float: _is_positive, int: _is_count}[kind]
+    wanted = _WANTED[kind][several]
+    accepted = _WANTED[kind][2]
     shown = shorten(", ".join(str(item) for item in items))
     if not all(map(accepted, items)) or (len(items) > 1 and not several):
         raise InputError(f"{path}, &sweep: {key} = {shown}: must be {wanted}")
@@ -110,78 +120,53 @@ def _checked(path: str, key: str, items: list[Item]) -> Any:  # noqa: ANN401 (a 
     return items if several else items[0]
 
 
-def _is_text(item: Item) -> bool:
-    return isinstance(item, str)
-
-
-def _is_positive(item: Item) -> bool:
-    return isinstance(item, float) and 0 < item < math.inf
-
-
-def _is_count(item: Item) -> bool:
-    return isinstance(item, float) and item.is_integer() and 0 <= item <= _MOST_RUNS
-
-
 def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
     """Split the text into groups, keys and lists of values, in the order of the file."""
     groups: dict[str, dict[str, list[Item]]] = {}
     group: dict[str, list[Item]] | None = None
     items: list[Item] | None = None
-    position = 0
-    text = text.rstrip()
+    position, text = 0, text.rstrip()
     while position < len(text):
         match = _TOKEN.match(text, position)
+        kind = "" if match is None else match.lastgroup or ""
+        word = "" if match is None else match[kind]
+        problem = ""
         if match is None:
-            raise InputError(
-                f"{_where(path, text, position)}: cannot be read: {_line(text, position)}"
-            )
-        kind, word = match.lastgroup, match[match.lastgroup or 0]
-        where = _where(path, text, match.start(match.lastgroup or 0))
-        position = match.end()
-        if kind == "group":
+            problem = f"cannot be read: {text[position:].lstrip().splitlines()[0].strip()}"
+        elif kind == "group":
             if group is not None or word.lower() in groups:
-                raise InputError(
-                    f"{where}: &{word}: the group before has no end, or it appears twice"
-                )
-            group = groups.setdefault(word.lower(), {})
-            items = None
+                problem = f"&{word}: the group before has no end, or it appears twice"
+            else:
+                group, items = groups.setdefault(word.lower(), {}), None
         elif kind == "end":
             group, items = None, None
         elif kind == "key":
             # keys match in upper and lower case
             if group is None or word.lower() in map(str.lower, group):
-                raise InputError(f"{where}: {word}: outside of a group, or it appears twice")
-            items = group.setdefault(word, [])
+                problem = f"{word}: outside of a group, or it appears twice"
+            else:
+                items = group.setdefault(word, [])
         elif kind not in ("comment", "comma"):
             if items is None:
-                raise InputError(f"{where}: {word}: a value without a key")
-            items.append(_value(kind, word))
-    _check_complete(groups, group, path)
-    return groups
-
-
-def _check_complete(
-    groups: dict[str, dict[str, list[Item]]], group: dict[str, list[Item]] | None, path: str
-) -> None:
+                problem = f"{word}: a value without a key"
+            else:
+                items.append(_value(kind, word))
+        if problem or match is None:
+            start = position if match is None else match.start(kind)
+            line = text.count("\n", 0, start) + 1
+            raise InputError(f"{path}, line {line}: {problem}")
+        position = match.end()
     if group is not None:
         raise InputError(f"{path}: the last group has no end: a line with /")
     for name, keys in groups.items():
-        for key, items in keys.items():
-            if not items:
+        for key, values in keys.items():
+            if not values:
                 raise InputError(f"{path}, &{name}: {key} has no value")
+    return groups
 
 
-def _value(kind: str | None, word: str) -> Item:
+def _value(kind: str, word: str) -> Item:
     if kind == "number":
         return float(word.lower().replace("d", "e"))
     mark = "'" if kind == "single" else '"'
     return word.replace(mark * 2, mark)
-
-
-def _where(path: str, text: str, position: int) -> str:
-    return f"{path}, line {text.count(chr(10), 0, position) + 1}"
-
-
-def _line(text: str, position: int) -> str:
-    start = position + len(text[position:]) - len(text[position:].lstrip())
-    return text[start:].splitlines()[0].strip()

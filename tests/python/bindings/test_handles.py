@@ -87,7 +87,7 @@ def test_one_case_in_many_threads(case_file: Path) -> None:
 
 def test_arrays_outlive_their_run(case_file: Path) -> None:
     case = rwmf.Case.from_namelist(case_file)
-    with simulation.start(simulation.with_history(case, 0.01)) as run:
+    with simulation.start(case.replace(output={"dt": 0.01})) as run:
         columns, values = run.history()
         dataset = simulation.to_dataset(run, case)
         # not copied: the dataset shows the memory of the run

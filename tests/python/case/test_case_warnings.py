@@ -134,8 +134,8 @@ _DOORS: dict[str, Callable[[rwmf.Case], object]] = {
     "wall": rwmf.Wall,
     "walls": lambda case: rwmf.Walls([case, case]),
     "element": rwmf.Element,
-    "couple": lambda case: rwmf.coupling.couple(
-        case, rwmf.coupling.FunctionHost([5.0], [[0.1]], [[40.0]], float, [0]), float, 0.05, 0.1
+    "couple": lambda case: rwmf.hosts.couple(
+        case, rwmf.hosts.FunctionHost([5.0], [[0.1]], [[40.0]], float, [0]), float, 0.05, 0.1
     ),
     "wall effect": lambda case: rwmf.studies.wall_effect(case, {"T_s": [0.5]}),
 }

@@ -67,16 +67,10 @@ WRONG: dict[str, Any] = {
 }
 _CLASSES = ("Case", "Motion", "records.RecordFile", "Response")
 # results of other functions, and functions without arguments
-_NOT_CALLED = {"loops.Loop", "records.RecordPair", "records.Selection",
-               "records.Processed",
-               "plot.style",
-               "hosts.ElementEvent", "hosts.ElementResponse", "hosts.ElementSnapshot",
-               "hosts.WallEvent", "hosts.WallEvents", "hosts.WallForces", "hosts.WallMaxima",
-               "hosts.WallSnapshot", "hosts.WallState", "coupling.CoupledRun",
-               "coupling.CouplingEnergy", "coupling.Host", "sections.Footing",
-               "sections.Plate", "sections.Toe"}  # fmt: skip
+_NOT_CALLED = {"plot.style", "hosts.ElementResponse", "hosts.Host",
+               "hosts.WallEvent", "hosts.WallState"}  # fmt: skip
 # needs the package openseespy
-_NOT_CALLED |= {"coupling.OpenSeesHost"}
+_NOT_CALLED |= {"hosts.OpenSeesHost"}
 
 
 def _motion(name: str = "short") -> rwmf.Motion:
@@ -87,8 +81,8 @@ def _still(_: float) -> float:
     return 0.0
 
 
-def _host() -> rwmf.coupling.FunctionHost:
-    return rwmf.coupling.FunctionHost([5.0], [[0.1]], [[40.0]], _still, [0])
+def _host() -> rwmf.hosts.FunctionHost:
+    return rwmf.hosts.FunctionHost([5.0], [[0.1]], [[40.0]], _still, [0])
 
 
 @functools.cache
@@ -174,15 +168,15 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "sections.toe": {"f_c": 4e7, "height": 19.2},
         "sections.ufp": {"stress": 3e8, "width": 0.1, "thickness": 0.01, "diameter": 0.1,
                          "leg": 0.05},
-        "coupling.FunctionHost": {"mass": [1.0], "damping": [[0.1]], "restoring": [[40.0]],
+        "hosts.FunctionHost": {"mass": [1.0], "damping": [[0.1]], "restoring": [[40.0]],
                                   "ground": _still, "links": [0]},
-        "coupling.couple": {"case": case, "host": _host(), "ground": _still, "dt": 0.05,
+        "hosts.couple": {"case": case, "host": _host(), "ground": _still, "dt": 0.05,
                             "t_end": 0.1, "tolerance": 1e-6},
         "plot.checks": {"found": rwmf.checks(limited, found["run"])},
         "explore": {"case": str(folder / "none.nml"), "open_browser": False},
         "cost": {"case": "none.nml"},
-        "loops.draw": {"dataset": found["run"], "case": case},
-        "loops.find_loops": {"dataset": found["run"], "case": case},
+        "plot.loops": {"dataset": found["run"], "case": case},
+        "plot.find_loops": {"dataset": found["run"], "case": case},
         "plot.ida": {"dataset": found["stripes"], "ax": ax, "quantity": "u_s_max"},
         "plot.cloud": {"dataset": found["stripes"], "ax": ax, "quantity": "u_s_max"},
         "plot.fragility": {"dataset": found["fragility"], "ax": ax},
@@ -214,7 +208,6 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "records.select": {"words": records, "target_spectrum": [[0.1, 1.0], [1.0, 1.0]],
                            "band": (0.2, 0.5), "n": 1, "limits": (1e-6, 1e6)},
         "records.sequence": {"main": _motion(), "after": _motion(), "pause": 1.0},
-        "records.write_suite": {"selection": None, "path": str(folder / "s.csv")},
         "studies.equal_response": {"case": case, "T_p": [0.5], "target": 0.01, "tolerance": 0.9,
                                    "threads": 1},
         "studies.overturning_map": {"case": case, "omega_over_p": [5.0], "amplitude": [1.0],
@@ -507,7 +500,7 @@ _REFUSED = {"plot.work_precision", "plot.profile"} | _NOT_CALLED
 
 
 @pytest.mark.parametrize("name", sorted(
-    {name for name in _public() if name.startswith(("plot.", "loops.draw"))} - _REFUSED
+    {name for name in _public() if name.startswith("plot.")} - _REFUSED
 ))  # fmt: skip
 def test_figures_show_any_name(name: str, tmp_path: Path) -> None:
     arguments = {

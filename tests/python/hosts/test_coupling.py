@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT
-from rwmf.coupling import FunctionHost, OpenSeesHost, couple
-from rwmf.hosts.si_building import read_building
+from rwmf.hosts import FunctionHost, OpenSeesHost, couple
+from rwmf.hosts.si_building import Building
 
 TEXT = (
     "&wall h = 2.0, b = 0.5, m_w = 2.0e4 / &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /"
@@ -40,7 +40,7 @@ def frame(**changes: object) -> FunctionHost:
     return FunctionHost(**(parts | changes))  # type: ignore[arg-type]
 
 
-def error_of(run: rwmf.coupling.CoupledRun, truth: rwmf.Response) -> float:
+def error_of(run: rwmf.hosts.CoupledRun, truth: rwmf.Response) -> float:
     difference = np.interp(truth.time.values, run.t, run.u) - truth.u_s.values
     return float(np.abs(difference).max() / truth.u_s_max)
 
@@ -73,7 +73,7 @@ def pulse(t: float) -> float:
 def building(case: rwmf.Case) -> tuple[FunctionHost, np.ndarray]:
     """Make the frame of a case with storeys as a host, and return the heights of its floors."""
     coupling = case.storeys.coupling
-    given = read_building(case.without("bending") if case.bending else case).frame
+    given = Building(case.without("bending") if case.bending else case).frame
     assert given is not None
     k = [law.k for law in given.laws]
     stiffness = np.diag(k) + np.diag([*k[1:], 0.0]) - np.diag(k[1:], 1) - np.diag(k[1:], -1)

@@ -485,21 +485,6 @@ def test_overturning_and_limits() -> None:
     assert float(curve["roof_drift"][-1]) == pytest.approx(0.013, rel=EXACT)
 
 
-def test_marks_of_limits() -> None:
-    """`mark_crossings` interpolates the drift at which a variable reaches a level."""
-    from rwmf.run.pushover import mark_crossings
-
-    curve = rwmf.pushover(_case(), (0.02, -0.02))
-    marked = mark_crossings(curve, "rotation limit", "theta", 0.01)
-    places = [i for i, name in enumerate(marked["mark"].values) if name == "rotation limit"]
-    assert len(places) == 2
-    theta = _rotation(marked["mark_roof_drift"].values[places])
-    assert np.abs(theta) == pytest.approx([0.01, 0.01], rel=1e-4)
-    assert np.all(np.diff(marked["mark_step"].values) >= 0)
-    with pytest.raises(rwmf.InputError, match="must be a variable over the steps"):
-        mark_crossings(curve, "x", "nothing", 1.0)
-
-
 test_errors = refusals(
     lambda arguments: rwmf.pushover(_case(), **arguments),
     ({"drifts": []}, "drifts"),

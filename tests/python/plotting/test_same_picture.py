@@ -52,8 +52,8 @@ def _loops(case: rwmf.Case, figure: Figure) -> None:
     # a mass makes kilonewtons of ratios
     run = run.drop_vars([name for name in run if run[name].attrs.get("units") == "N"])
     if {"yielding", "cable", "fuse"} & case.groups.keys():
-        n = len(loops.group_by_kind(rwmf.loops.find_loops(run, case)))
-        rwmf.loops.draw(run, case, figure.subplots(1, n, squeeze=False)[0])
+        n = len(loops.group_by_kind(rwmf.plot.find_loops(run, case)))
+        rwmf.plot.loops(run, case, figure.subplots(1, n, squeeze=False)[0])
 
 
 def _film(case: rwmf.Case, figure: Figure) -> None:

@@ -7,7 +7,7 @@ import pytest
 import rwmf
 from checkout import ROOT
 from dimensional import groups_of
-from rwmf import loops
+from rwmf import plot
 from rwmf.figures import image_files as figures
 from scenes import bare_frame, block
 
@@ -24,7 +24,7 @@ def test_areas_are_the_ledger(kind: str, formulation: str, law: str) -> None:
     changes = {"model": {"formulation": formulation}, "cable": {"law": law}}
     case = CASE.replace(**changes, motion={"kind": kind}, solver={"rtol": 1e-10})
     run = rwmf.simulate(case, dt=2e-4)
-    found = {loop.spring: loop for loop in loops.find_loops(run, case)}
+    found = {loop.spring: loop for loop in plot.find_loops(run, case)}
     assert list(found) == ["frame", "cable", "left fuse", "right fuse"]
     weights = {"frame": case.frame.gamma * case.model.g}
     work = sum(weights.get(name, case.model.g) * loop.work for name, loop in found.items())
@@ -39,7 +39,7 @@ def test_displacements() -> None:
     run = rwmf.simulate(CASE, dt=0.01)
     theta = run["theta"].values
     h, b = CASE.wall.h, CASE.wall.b
-    found = {loop.spring: loop.displacement for loop in loops.find_loops(run, CASE)}
+    found = {loop.spring: loop.displacement for loop in plot.find_loops(run, CASE)}
     side = np.sign(theta)
     phi = np.abs(theta)
     # from the pivot, with the wall turned by phi: its other corner and the middle of its top
@@ -54,21 +54,21 @@ def test_displacements() -> None:
 def test_a_bare_frame_has_one_panel(tmp_path: Path) -> None:
     case = bare_frame(yielding={"u_y": 0.01, "law": "bouc_wen"})
     run = rwmf.simulate(case, dt=0.005)
-    assert [loop.spring for loop in loops.find_loops(run, case)] == ["frame"]
-    assert loops.draw(run, case).shape == (1,)
+    assert [loop.spring for loop in plot.find_loops(run, case)] == ["frame"]
+    assert plot.loops(run, case).shape == (1,)
     figures.save_loops(run, case, tmp_path / "loops.svg")
     assert (tmp_path / "loops.svg").stat().st_size > 1000
 
 
 def test_what_has_no_loops() -> None:
     with pytest.raises(rwmf.InputError, match="no history"):
-        loops.find_loops(rwmf.simulate(CASE), CASE)
+        plot.find_loops(rwmf.simulate(CASE), CASE)
     with pytest.raises(rwmf.InputError, match="need a spring"):
-        loops.find_loops(rwmf.simulate(block(), dt=0.1), block())
+        plot.find_loops(rwmf.simulate(block(), dt=0.1), block())
     run = rwmf.simulate(CASE, dt=0.1)
     forces = [name for name in run.data_vars if "force_over" in str(name)]
     with pytest.raises(rwmf.InputError, match="no force of a spring"):
-        loops.find_loops(run.drop_vars(forces), CASE)
+        plot.find_loops(run.drop_vars(forces), CASE)
 
 
 @pytest.mark.parametrize("has_masses", [True, False])
@@ -78,7 +78,7 @@ def test_storeys_have_loops(has_masses: bool) -> None:
     if has_masses:
         case = case.replace(wall={"m_w": 2.0e4})
     run = rwmf.simulate(case, dt=1e-3)
-    found = {loop.spring: loop for loop in loops.find_loops(run, case)}
+    found = {loop.spring: loop for loop in plot.find_loops(run, case)}
     n = run.sizes["storey"]
     assert [name for name in found if name.startswith("storey")] == [
         f"storey {i}" for i in range(1, n + 1)
@@ -91,7 +91,7 @@ def test_storeys_have_loops(has_masses: bool) -> None:
         assert (loop.newtons is not None) == has_masses
         if loop.newtons is not None:
             assert loop.newtons == pytest.approx(run[f"storey_{i}_shear"].values)
-    panels = loops.draw(run, case)
+    panels = plot.loops(run, case)
     assert panels[0].get_title() == "Storeys"
     assert len(panels[0].get_legend().get_texts()) == n
     for ax in panels:

@@ -1,6 +1,7 @@
 """From records to risk: analyses, fragility curves, annual frequencies, files of loss programs."""
 
 import csv
+import itertools
 import json
 import math
 import re
@@ -239,6 +240,25 @@ def test_quadrature_of_other_laws(median: float, beta: float, k: float, tmp_path
     for hazard in ((1e-4, k), {"intensity": x, "frequency": 1e-4 * x**-k}, path):
         found = rwmf.risk({"median": median, "dispersion": beta}, hazard, levels=[0.1, 0.5, 1.0])
         assert float(found["annual_frequency"]) == pytest.approx(exact, rel=1e-10)
+
+
+def test_broken_hazard_by_quadrature() -> None:
+    """A hazard of three power laws, and each bin of its deaggregation."""
+    x, rates = np.array([0.05, 0.2, 0.8, 2.0]), np.array([0.1, 8e-3, 3e-4, 1e-6])
+    median, beta, levels = 0.7, 0.45, [0.1, 0.3, 0.5, 1.2]
+    found = rwmf.risk((median, beta), {"intensity": x, "frequency": rates}, levels=levels)
+    u = np.linspace(math.log(median) - 14 * beta, math.log(median) + 14 * beta, 400_001)
+    k = -np.diff(np.log(rates)) / np.diff(np.log(x))
+    part = np.clip(np.searchsorted(np.log(x), u) - 1, 0, 2)
+    hazard = rates[part] * (x[part] / np.exp(u)) ** k[part]
+    z = (u - math.log(median)) / beta
+    total = np.trapezoid(hazard * np.exp(-0.5 * z**2), z) / math.sqrt(2 * math.pi)
+    assert float(found["annual_frequency"]) == pytest.approx(total, rel=1e-8)
+    assert float(found["closed_form"]) == pytest.approx(float(found["annual_frequency"]), rel=1e-12)
+    steps = k[part] * hazard * [0.5 * math.erfc(-v / math.sqrt(2)) for v in z]
+    ends = np.searchsorted(u, [-math.inf, *np.log(levels), math.inf])
+    shares = [np.trapezoid(steps[a : b + 1], u[a : b + 1]) for a, b in itertools.pairwise(ends)]
+    assert found["contribution"].values == pytest.approx(np.array(shares) / total, abs=1e-4)
 
 
 def test_designs_in_one_table(table: xr.Dataset) -> None:
