@@ -177,26 +177,6 @@ def read_csmnc(lines: list[str], name: str) -> list[Channel]:
     return [Channel(motion, component[1] if component else "", "CSMNC")]
 
 
-# words of formats that are not read, in one of the first lines
-_UNREAD = {
-    "UNAM/ASA (Mexico)": r".*ARCHIVO ESTANDAR DE ACELERACION",
-    "CSMIP volume 3 (spectra)": r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA",
-    "GeoNet (New Zealand)": r"\s*(?:UN)?CORRECTED ACCELEROGRAM .*(?:GNS|GEOLOGICAL AND NUC)",
-}
-
-
-def unread_format(lines: list[str]) -> str | None:
-    """Return the name of a format that is not read; None for another one."""
-    return next(
-        (
-            name
-            for name, words in _UNREAD.items()
-            if any(re.match(words, line, re.IGNORECASE) for line in lines)
-        ),
-        None,
-    )
-
-
 _NIED_LINES = 17
 _NIED_COLUMNS = re.compile(r"#\s*Time\s*,\s*RelativeTime\(s\),", re.IGNORECASE)
 _GAIN = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)")
@@ -455,6 +435,7 @@ _CGS = re.compile(rf"\s*(?P<n>\d+) (?:{_CGS_1}|{_CGS_2})\s*{_LAYOUT}", re.IGNORE
 _CGS_PEAK = re.compile(
     r"(?:Units of uncor data are sec and g\.\s+Max  =|Peak acceleration =)\s*(-?[\d.]+)"
 )
+_GEONET = re.compile(r"GNS|Geological and Nuc", re.IGNORECASE)
 _CHANNEL = re.compile(r"(?:Sta )?Cha\w*\s+[\d?]*:\s*(.*?)\s*(?:\(|from\b|$)")
 
 
@@ -492,7 +473,8 @@ def read_cosmos(lines: list[str], name: str) -> list[Channel]:
 def is_cgs(lines: list[str]) -> bool:
     """Recognise volume 1 or 2 of the California Geological Survey."""
     begins = ("Uncorrected Accelerogram Data", "Corrected accelerogram ")
-    return bool(lines) and lines[0].startswith(begins)
+    # GeoNet of New Zealand begins alike
+    return bool(lines) and lines[0].startswith(begins) and not _GEONET.search(lines[0])
 
 
 def read_cgs(lines: list[str], name: str) -> list[Channel]:

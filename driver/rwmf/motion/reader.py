@@ -156,12 +156,7 @@ def read_channels(
     # a dialect shows in its first line, and long tables need no list of lines
     head = _lines(content[:_HEAD_BYTES])
     dialect = next((item for item in _DIALECTS if item.is_it(head)), None)
-    unread = networks.unread_format(head)
     try:
-        if unread is not None:
-            raise InputError(
-                f"the format {unread} is not read: write two columns of time [s] and acceleration"
-            )
         if dialect is None:
             return _read_plain(path.stem, content, unit, dt, is_any)
         if unit is not None or dt is not None:
@@ -171,7 +166,7 @@ def read_channels(
             )
         return dialect.read(_lines(content), path.stem)
     except InputError as error:
-        place = "" if dialect is None or unread is not None else f"{dialect.name}: "
+        place = "" if dialect is None else f"{dialect.name}: "
         raise InputError(f"records: {path}: {place}{error}") from error
 
 
