@@ -308,6 +308,15 @@ export class Scene {
     this.unpublish(name);
   }
 
+  // Let the wall go from a rotation, over its slenderness, while the ground rests.
+  release(share) {
+    this.put("initial");
+    this.groups.initial = { theta_over_alpha: share };
+    if (this.has("motion")) this.setKey("motion.kind", "none");
+    this.settle();
+    this.changed(true);
+  }
+
   remove(name) {
     this.take(name);
     this.changed(true);
