@@ -309,7 +309,7 @@ contains
       end if
       if (far(3) > round_off) call add_line('e = '//trim(real_to_text(far(1))) &
          //' is below e_max = '//trim(real_to_text(far(2))) &
-         //': the impulse of an impact would have to act ' &
+         //", that of &impact rule = 'coupled': the impulse would act " &
          //trim(real_to_text(four_digits(far(3))))//' base widths outside the base', lines)
       if (slides(1) > 0 .and. .not. case%wall%shear_key) call add_line('tan(alpha) = ' &
          //trim(real_to_text(four_digits(slides(1))))//' with e = ' &
