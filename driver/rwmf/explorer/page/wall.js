@@ -149,7 +149,7 @@ export class Stage {
     ctx.clearRect(0, 0, width, height);
     const { heights } = motion.profile;
     // one storey needs less room
-    const wide = (heights.length > 1 ? 210 : 130) * textSize() / 12;
+    const wide = (heights.length > 1 ? 210 : 150) * textSize() / 12;
     const beside = heights.length ? Math.min(wide, 0.42 * width) : 0;
     const H = this.height;
     // the frame takes the room that the wall leaves at full height
