@@ -47,7 +47,7 @@ const STOPS = new Set(("a all an and are as at be between by can could do does e
 // A section without the unit of a query answers it all the same.
 const UNITS = new Set("kn knm n nm pa kpa mpa gpa mm cm m s kg t rad deg percent".split(" "));
 // Pages for users before those that prove or that are for developers
-const FOLDERS = { tutorials: 1.3, howto: 1.3, validation: 0.7, developer: 0.5 };
+const FOLDERS = { tutorials: 1.3, howto: 1.3, validation: 0.7, developer: 0.25 };
 // Questions that the glossary answers first
 const MEANING = /^\s*(what (is|are|does)|define|definition|meaning)\b/i;
 // Points of a term beside another one in a passage, and of one that fills a cell of a table
