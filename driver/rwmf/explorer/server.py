@@ -521,7 +521,7 @@ class NotebookPage:
             return repr(self)
         frame = (
             f'<iframe src="{self.address}" title="explorer" width="100%" height="{_HEIGHT}" '
-            'style="border: 1px solid #999"></iframe>'
+            'allow="fullscreen" style="border: 1px solid #999"></iframe>'
         )
         link = f'<a href="{self.address}" target="_blank" rel="noopener">Open in another tab</a>'
         return frame + link

@@ -18,7 +18,7 @@ from checkout import ROOT, Runner
 from explorer_page import FIG12, Open, Opened
 from page_client import served
 from rwmf import Case
-from rwmf.explorer.questions import given
+from rwmf.explorer.questions import case_of, given, read
 from rwmf.explorer.server import PageServer
 
 if TYPE_CHECKING:
@@ -432,6 +432,29 @@ def test_a_hand_lets_the_wall_go(show: Open) -> None:
         opened.page.keyboard.press(key)
     opened.settle()
     assert opened.field("initial.theta_over_alpha").input_value() == "-0.05"
+
+
+def test_every_shipped_wall_can_be_let_go(show: Open, record_folder: Path) -> None:
+    """The kernel takes the case, whatever its motion and its effects."""
+    del record_folder
+    release = """async (state) => {
+      const { Scene } = await import('/scene.js');
+      const scene = new Scene({ ...explorer.scene.description, state }, () => {});
+      scene.release(0.3);
+      return scene.groups;
+    }"""
+    page = show().page
+    count = 0
+    for path in sorted((ROOT / "inputs").glob("*.nml")):
+        case = Case.from_namelist(path)
+        if case.wall is None:
+            continue
+        groups = page.evaluate(release, given(case))
+        free = case_of(read({"groups": groups}), case)
+        assert free.initial.theta_over_alpha == 0.3
+        assert free.kernel.peak_of_motion() == 0.0
+        count += 1
+    assert count > 20
 
 
 def test_a_flash_can_be_switched_off(show: Open) -> None:

@@ -312,7 +312,11 @@ export class Scene {
   release(share) {
     this.put("initial");
     this.groups.initial = { theta_over_alpha: share };
+    this.take("vertical");
     if (this.has("motion")) this.setKey("motion.kind", "none");
+    // a record set the end of the run
+    this.put("solver");
+    this.start("solver.t_end");
     this.settle();
     this.changed(true);
   }
