@@ -162,7 +162,7 @@ contains
       if (.not. has_springs) then
          if (any(comes_from_landings(keys))) call add_line('forces near the base come from the ' &
             //'shocks of landings: base shear, lowest links and lowest floors depend on the ' &
-            //"number of modes; &storeys coupling = 'springs' and &bending nu limit them", lines)
+            //"number of modes; coupling = 'springs' and &bending nu limit them", lines)
       else if (.not. has_key(case%values, 'bending', 'nu')) then
          if (any(index(keys, 'base_shear') == 1)) call add_line('the base shear comes from the ' &
             //'shocks of landings and grows with the number of modes; &bending nu limits it', &
