@@ -33,6 +33,7 @@ const EQUIVALENTS = [
   ["cite", "citation", "bibtex", "doi", "reference manager"],
   ["windows", "wsl"],
   ["conda", "conda forge", "mamba", "anaconda"],
+  ["api", "public names", "python interface", "fortran interface", "c interface"],
   ["docker", "podman", "container"],
   ["fmu", "fmi", "functional mock up unit", "co simulation", "cosimulation", "modelica", "simulink"],
   ["coupling", "co simulation", "cosimulation", "hybrid simulation", "substructure"],
@@ -41,12 +42,12 @@ const EQUIVALENTS = [
   ["design", "optimise", "optimize", "optimisation", "optimization", "optimum"],
 ];
 const STOPS = new Set(("a all an and are as at be between by can could do does each every find for from get give go going has have how i "
-  + "if in is it its me much many my need of on one or see show should some tell than that the their there this to use "
+  + "if in into is it its me much many my need of on one or see show should some tell than that the their there this to use "
   + "want was we what when where which who why will with you your").split(" "));
 // A section without the unit of a query answers it all the same.
 const UNITS = new Set("kn knm n nm pa kpa mpa gpa mm cm m s kg t rad deg percent".split(" "));
 // Pages for users before those that prove or that are for developers
-const FOLDERS = { tutorials: 1.3, howto: 1.3, validation: 0.7, developer: 0.5 };
+const FOLDERS = { tutorials: 1.3, howto: 1.3, validation: 0.7, developer: 0.25 };
 // Questions that the glossary answers first
 const MEANING = /^\s*(what (is|are|does)|define|definition|meaning)\b/i;
 // Points of a term beside another one in a passage, and of one that fills a cell of a table

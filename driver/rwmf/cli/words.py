@@ -130,20 +130,13 @@ def whole(lowest: int, highest: int) -> Callable[[str], int]:
     return read
 
 
-def short_decimal(x: float) -> float:
-    """Return 0.3 for 0.30000000000000004, so that labels of results are found by their decimals.
-
-    Numbers that differ from twelve digits by more than rounding stay.
-    """
-    decimal = float(f"{x:.12g}")
-    return decimal if abs(decimal - x) <= 4 * math.ulp(x) else x
-
-
 @_must_be("FIRST:LAST:N or finite numbers with commas between them, at most " + str(_MOST_NUMBERS))
 def numbers(word: str) -> list[float]:
     """Read ``FIRST:LAST:N`` with both ends, or comma-separated numbers."""
     # imported here so that help and other error messages need not wait for it
     import numpy as np
+
+    from rwmf.kernel.numbers import short_decimal
 
     read = number()
     if ":" in word:

@@ -45,6 +45,7 @@ from rwmf.figures.levels import (
     outermost,
 )
 from rwmf.kernel import results, tables
+from rwmf.motion.records import RECORDS
 from rwmf.run.headline import headline_rows, rows_by_title, tendon_yield_of
 from rwmf.run.quantities import ENDINGS, Quantity, find
 
@@ -214,7 +215,7 @@ _KEPT = 32
 _KEPT_RECORDS = 3
 # history columns drawn by the page
 _SHOWN = re.compile(
-    r"time$|theta$|u_s$|u_g_ddot$|base_height$|base_slip$|energy_|storey_\d+_drift$"
+    r"time$|theta(_dot)?$|u_s$|u_g_ddot$|base_height$|base_slip$|energy_|storey_\d+_drift$"
     r"|floor_\d+_acceleration_g$|q_\d+$"
 )
 # heights over that of the wall at which its deflected shape is drawn
@@ -249,6 +250,7 @@ def start(case: Case, made: list[Path]) -> dict[str, Any]:
         "state": given(case),
         "record": Path(str(motion["file"])).name if motion.get("file") else "",
         "made": [path.name for path in made],
+        "records": {name: found.variant for name, found in RECORDS.items()},
         "presets": [
             preset._asdict() | {"state": given(case_of_preset(preset.name))} for preset in PRESETS
         ],

@@ -40,6 +40,7 @@ from rwmf.explorer.model import as_files, encode, start
 from rwmf.explorer.questions import FIRST, BadQuestionError, case_of_preset, read
 from rwmf.explorer.workers import BrokenError, BusyError, Workers
 from rwmf.kernel.progress import in_notebook
+from rwmf.motion.records import find
 
 _PREFIX = "rwmf-explore-"
 
@@ -379,7 +380,7 @@ class _Handler(BaseHTTPRequestHandler):
     def _add_record(self, query: str) -> bytes:
         words = parse_qs(query, keep_blank_values=True)
         for key, values in words.items():
-            if key not in ("name", "unit", "dt") or len(values) > 1:
+            if key not in ("name", "unit", "dt", "shipped") or len(values) > 1:
                 raise BadQuestionError(f"a record has no {key[:40]!r}, or has it twice")
         content = self._body(_MOST_RECORD)
         dt = words.get("dt", [None])[0]
@@ -387,9 +388,13 @@ class _Handler(BaseHTTPRequestHandler):
             interval = None if dt is None else float(dt)
         except ValueError:
             raise BadQuestionError(f"dt = {dt}: must be a number > 0 [s]") from None
-        number = self.server.new_record(content, words.get("name", [""])[0])
+        name, unit = words.get("name", [""])[0], words.get("unit", [None])[0]
+        if "shipped" in words:
+            record, path = find(words["shipped"][0])
+            content, name, unit = path.read_bytes(), record.name + path.suffix.lower(), record.unit
+        number = self.server.new_record(content, name)
         try:
-            arguments = (number, words.get("unit", [None])[0], interval)
+            arguments = (number, unit, interval)
             return self.server.workers.ask("add_record", arguments, self._check_connection)
         except BaseException:
             self.server.drop_record(number)
@@ -516,7 +521,7 @@ class NotebookPage:
             return repr(self)
         frame = (
             f'<iframe src="{self.address}" title="explorer" width="100%" height="{_HEIGHT}" '
-            'style="border: 1px solid #999"></iframe>'
+            'allow="fullscreen" style="border: 1px solid #999"></iframe>'
         )
         link = f'<a href="{self.address}" target="_blank" rel="noopener">Open in another tab</a>'
         return frame + link

@@ -420,13 +420,19 @@ def _stage(
     ground = np.zeros_like(t)
     if "u_g_ddot" in dataset:
         ground = ground_displacement(t, dataset["u_g_ddot"].values)
-    upper = figure.add_axes((0.02, 0.34, 0.96, 0.6))
+    upper = figure.add_axes((0.02, 0.33, 0.96, 0.65))
     lower = figure.add_axes((0.12, 0.1, 0.84, 0.2))
     lines = None
+    moves = [ground]
     if building is not None:
         sway = _drawn_sway(case, dataset, building, scale)
+        moves.append((ground + sway).ravel())
         lines = BuildingLines(upper, building, _feet(case, building), sway)
-    _frame_scene(upper, case, building, float(np.abs(ground).max(initial=0.0)))
+    if case.wall is not None:
+        angle = np.clip(scale.rotation * dataset["theta"].values, -np.pi / 2, np.pi / 2)
+        tip = scale.deflection * _deflections(case, dataset, np.ones(1))[0]
+        moves.append(ground + 2 * case.wall.h * np.sin(angle) + tip)
+    _frame_scene(upper, case, building, np.concatenate(moves))
     move_wall = _wall(upper, case, dataset, scale, ground)
     (soil,) = upper.plot([], [], color=GREY, linewidth=3, zorder=1)
     soil_ends = np.array(upper.get_xlim()) * 0.92
@@ -464,20 +470,22 @@ def _feet(case: Case, building: Building) -> Array:
     return feet
 
 
-def _frame_scene(ax: Axes, case: Case, building: Building | None, ground: float) -> None:
-    """Set the limits of the picture: the building, a fallen wall, and the ground motion."""
+def _frame_scene(ax: Axes, case: Case, building: Building | None, moves: Array) -> None:
+    """Set the limits of the picture, filled by the building and its displacements."""
     height = max(
         2 * case.wall.h if case.wall is not None else 0.0,
         float(building.levels[-1]) if building is not None else 0.0,
     )
-    side = 1.5 * height if case.wall is not None else height
-    reach = max(side, ground + 0.5 * side)
-    beside = 0.5 * height if case.wall is not None and building is not None else 0.0
-    left, right = 0.0, 0.0
-    if case.wall is not None:
-        left, right = outermost(case) - np.array([-case.wall.b, case.wall.b])
-    ax.set_xlim(left - reach - beside, right + reach)
-    ax.set_ylim(-0.08 * height, 1.3 * height)
+    sides = [] if case.wall is None else [*outermost(case)]
+    sides += [] if building is None else [*_feet(case, building)]
+    left = min(sides) + float(moves.min()) - 0.08 * height
+    right = max(sides) + float(moves.max()) + 0.08 * height
+    box = ax.get_window_extent()
+    # room for the texts above
+    upward = max(1.33 * height, (right - left) * box.height / box.width)
+    beside = 0.5 * (upward * box.width / box.height - (right - left))
+    ax.set_xlim(left - beside, right + beside)
+    ax.set_ylim(-0.08 * height, upward - 0.08 * height)
     ax.set_aspect("equal")
     ax.set_axis_off()
 

@@ -71,7 +71,13 @@ _WORDS = {
     "frame_force_over_m_s_g": "frame force $F_s/(m_sg)$",
     "fuse_left_force_over_m_w_g": "left fuse $F_l/(m_wg)$",
     "fuse_right_force_over_m_w_g": "right fuse $F_r/(m_wg)$",
+    "cable_force": "tendon force $P$",
+    "frame_force": "frame force $F_s$",
+    "fuse_left_force": "left fuse $F_l$",
+    "fuse_right_force": "right fuse $F_r$",
 }
+# smallest distance of the ticks of two impacts over the width of a panel
+_APART = 1 / 120
 # letters in a line of the label of a panel, and of a figure with one panel
 _LETTERS, _LETTERS_ALONE = 20, 45
 _FLOORS, _DRIFTS = "floor_{i}", "storey_{i}_drift"
@@ -106,7 +112,8 @@ def history(
     variables : sequence of str, optional
         Names of variables over time; ``{i}`` instead of a number draws all floors or storeys in one
         panel. The default is the members of `PANELS` in the dataset, with ``u_s`` as the roof among
-        the floors. Storey drifts and floor accelerations need ``&output reactions``.
+        the floors, and with forces in kN where the case has masses. Storey drifts and floor
+        accelerations need ``&output reactions``.
     case : Case or path, optional
         The simulated case; adds faint lines for first yield and the limits of collapse behind
         displacements and drifts.
@@ -142,8 +149,10 @@ def history(
 
 
 def panels_of(dataset: xr.Dataset) -> list[str]:
-    """Return the default panels of `history` for a dataset."""
-    found = [name for name in PANELS if members(dataset, name)]
+    """Return the default panels of `history` for a dataset, forces in N where it has them."""
+    names = [name for name in PANELS if members(dataset, name)]
+    forces = [name.partition("_over_")[0] for name in names]
+    found = [force if force in dataset else name for name, force in zip(names, forces, strict=True)]
     return [name for name in found if name != "u_s" or _FLOORS not in found]
 
 
@@ -169,7 +178,8 @@ def _draw_panel(
     if len(found) > 1:
         title, columns = name.split("_")[0], -(-len(found) // _ROWS)
         legend_beside(ax, title, columns, is_tight=True)
-    ax.set_ylabel(_axis_label(dataset[found[0]], name))
+    unit = label_in_large_units(ax.yaxis, dataset[found[0]].attrs.get("units", ""))
+    ax.set_ylabel(_axis_label(dataset[found[0]].assign_attrs(units=unit), name))
     ax.margins(x=0)
     _mark_impacts(ax, dataset)
 
@@ -310,16 +320,27 @@ def _legend_title(dataset: xr.Dataset) -> str | None:
     return r"$\gamma = m_s/m_w$" if is_plain else r"$\gamma$"
 
 
-def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
+def _times_of_impacts(dataset: xr.Dataset) -> tuple[list[float], int]:
+    """Return times for ticks that do not merge to a bar [s], and the number of impacts."""
     if "event_time" not in dataset.coords:
-        return
+        return [], 0
     times = dataset["event_time"].values[dataset["event"].values == "impact"]
-    if not times.size:
+    apart = _APART * float(np.ptp(dataset["time"].values))
+    shown: list[float] = []
+    for t in times:
+        if not shown or t - shown[-1] >= apart:
+            shown.append(float(t))
+    return shown, times.size
+
+
+def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
+    times, _ = _times_of_impacts(dataset)
+    if not times:
         # an unclipped line without points has no extent that a layout could use
         return
     ax.plot(
         times,
-        np.zeros(times.size),
+        np.zeros(len(times)),
         "|",
         color=GREY,
         markersize=5,
@@ -335,11 +356,13 @@ def _explain_impacts(ax: Axes, dataset: xr.Dataset) -> None:
     from matplotlib.legend import Legend
     from matplotlib.lines import Line2D
 
-    if "event" not in dataset.coords or not (dataset["event"] == "impact").any():
+    times, n = _times_of_impacts(dataset)
+    if not n:
         return
+    label = "impact" if n == len(times) else f"one or more of {n} impacts"
     tick = Line2D([], [], color=GREY, marker="|", linestyle="none", markersize=5)
     legend = Legend(
-        ax, [tick], ["impact"], loc="upper right", bbox_to_anchor=(1.0, -0.2),
+        ax, [tick], [label], loc="upper right", bbox_to_anchor=(1.0, -0.2),
         borderpad=0.0, handletextpad=0.0, frameon=False,
     )  # fmt: skip
     ax.add_artist(legend).set_clip_on(False)

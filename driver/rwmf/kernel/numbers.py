@@ -43,6 +43,15 @@ def show(value: object) -> str:
     return shorten(" ".join(text.split()))
 
 
+def short_decimal(x: float) -> float:
+    """Return 0.3 for 0.30000000000000004, so that labels of results are found by their decimals.
+
+    Numbers that differ from twelve digits by more than rounding stay.
+    """
+    decimal = float(f"{x:.12g}")
+    return decimal if abs(decimal - x) <= 4 * math.ulp(x) else x
+
+
 def to_number(
     name: str,
     value: object,

@@ -172,26 +172,6 @@ def read_csmnc(lines: list[str], name: str) -> list[Channel]:
     return [Channel(motion, component[1] if component else "", "CSMNC")]
 
 
-# words of formats that are not read, in one of the first lines
-_UNREAD = {
-    "UNAM/ASA (Mexico)": r".*ARCHIVO ESTANDAR DE ACELERACION",
-    "CSMIP volume 3 (spectra)": r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA",
-    "GeoNet (New Zealand)": r"\s*(?:UN)?CORRECTED ACCELEROGRAM .*(?:GNS|GEOLOGICAL AND NUC)",
-}
-
-
-def unread_format(lines: list[str]) -> str | None:
-    """Return the name of a format that is not read; None for another one."""
-    return next(
-        (
-            name
-            for name, words in _UNREAD.items()
-            if any(re.match(words, line, re.IGNORECASE) for line in lines)
-        ),
-        None,
-    )
-
-
 _NIED_LINES = 17
 _NIED_COLUMNS = re.compile(r"#\s*Time\s*,\s*RelativeTime\(s\),", re.IGNORECASE)
 _GAIN = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)")

@@ -115,7 +115,13 @@ _DIALECTS = (
     ("K-NET CSV", r"(?i)\A#(k-net|kik-net)", formats.read_nied_csv),
     ("CSMNC", r"(?m)^(?=.*CORRECTED ACCELERATION ).*UNIT:", formats.read_csmnc),
     ("COSMOS", r"\A(?=.*acceleration).*\(Format v", formats.read_cosmos),
-    ("CGS", r"\A(Uncorrected Accelerogram Data|Corrected accelerogram )", formats.read_cgs),
+    # GeoNet of New Zealand begins alike
+    (
+        "CGS",
+        r"\A(?!(?i:.*(GNS|Geological and Nuc)))(Uncorrected Accelerogram Data|Corrected "
+        r"accelerogram )",
+        formats.read_cgs,
+    ),
 )
 _HEAD_BYTES = 1000
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -142,12 +148,7 @@ def read_channels(
     dialect, read = next(
         ((name, read) for name, mark, read in _DIALECTS if re.search(mark, text)), ("", None)
     )
-    unread = formats.unread_format(head)
     try:
-        if unread is not None:
-            raise InputError(
-                f"the format {unread} is not read: write two columns of time [s] and acceleration"
-            )
         if read is None:
             return _read_plain(path.stem, content, unit, dt, is_any)
         if unit is not None or dt is not None:
@@ -157,7 +158,7 @@ def read_channels(
             )
         return read(_lines(content), path.stem)
     except InputError as error:
-        place = "" if read is None or unread is not None else f"{dialect}: "
+        place = "" if read is None else f"{dialect}: "
         raise InputError(f"records: {path}: {place}{error}") from error
 
 

@@ -19,6 +19,7 @@ from rwmf.case.arguments import case_of
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError, NumericalError, without_lines
 from rwmf.kernel import kernel_case, results, tables
+from rwmf.kernel.numbers import short_decimal
 from rwmf.motion.intensity import choose_intensity, scale_to_one
 from rwmf.motion.measures import Intensity
 from rwmf.motion.record_sets import RecordFile, find_records
@@ -498,6 +499,6 @@ def _periods(spectrum: Mapping[str, Any]) -> Iterator[float]:
         if i == n - 1 and n > 1:
             yield high
         elif spectrum["spacing"] == "log":
-            yield low * (high / low) ** x
+            yield short_decimal(low * (high / low) ** x)
         else:
-            yield low + x * (high - low)
+            yield short_decimal(low + x * (high - low))

@@ -119,9 +119,7 @@ contains
       end if
       if (.not. allocated(case%wall)) return
       if (has_numbers(case, 'bending')) then
-         if (any(comes_from_landings(keys))) call add_line('forces near the base come from the ' &
-            //'shocks of landings: base shear, lowest links and lowest floors depend on the ' &
-            //'number of modes, the stiffness of the links, shear and damping', lines)
+         call warn_of_landings(case, keys, lines)
       else if (has_floors(case) .and. any(depends_on_bending(keys))) then
          call add_line('the wall is rigid: accelerations of linked floors, link forces, and ' &
             //'shear and moment in the wall are 1.4 to 3.6 times too small; &bending gives them', &
@@ -147,6 +145,30 @@ contains
             //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|', lines)
       end if
    end subroutine list_case_warnings
+
+   !> Warn of forces that grow with the number of modes.
+   !>
+   !> Springs between floors and wall limit the shock of a landing in links and floors, shear
+   !> deformation that at the base.
+   pure subroutine warn_of_landings(case, keys, lines)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: keys(:)
+      !! (quantities) keys of the reported quantities
+      character(256), allocatable, intent(inout) :: lines(:)
+      logical :: has_springs
+
+      has_springs = .false.
+      if (has_floors(case)) has_springs = case%frame%coupling == 'springs'
+      if (.not. has_springs) then
+         if (any(comes_from_landings(keys))) call add_line('forces near the base come from the ' &
+            //'shocks of landings: base shear, lowest links and lowest floors depend on the ' &
+            //"number of modes; coupling = 'springs' and &bending nu limit them", lines)
+      else if (.not. has_key(case%values, 'bending', 'nu')) then
+         if (any(index(keys, 'base_shear') == 1)) call add_line('the base shear comes from the ' &
+            //'shocks of landings and grows with the number of modes; &bending nu limits it', &
+            lines)
+      end if
+   end subroutine warn_of_landings
 
    !> Warn of a recorded motion that is no earthquake in its units.
    subroutine warn_of_record(record, source, g, lines)
@@ -287,7 +309,7 @@ contains
       end if
       if (far(3) > round_off) call add_line('e = '//trim(real_to_text(far(1))) &
          //' is below e_max = '//trim(real_to_text(far(2))) &
-         //': the impulse of an impact would have to act ' &
+         //", that of &impact rule = 'coupled': the impulse would act " &
          //trim(real_to_text(four_digits(far(3))))//' base widths outside the base', lines)
       if (slides(1) > 0 .and. .not. case%wall%shear_key) call add_line('tan(alpha) = ' &
          //trim(real_to_text(four_digits(slides(1))))//' with e = ' &

@@ -13,6 +13,7 @@ module rwmf_spectrum_rows
    use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_problem_wall_size, only: scale_to_period
+   use rwmf_text_decimal, only: short_decimal
    use rwmf_text_strings, only: real_to_text, to_lower
    implicit none
    private
@@ -228,9 +229,9 @@ contains
       do i = 1, spec%n
          x = real(i - 1, wp)/real(max(1, spec%n - 1), wp)
          if (spec%spacing == 'log') then
-            T_s(i) = spec%T_s_min*(spec%T_s_max/spec%T_s_min)**x
+            T_s(i) = short_decimal(spec%T_s_min*(spec%T_s_max/spec%T_s_min)**x)
          else
-            T_s(i) = spec%T_s_min + x*(spec%T_s_max - spec%T_s_min)
+            T_s(i) = short_decimal(spec%T_s_min + x*(spec%T_s_max - spec%T_s_min))
          end if
       end do
       if (spec%n > 1) T_s(spec%n) = spec%T_s_max

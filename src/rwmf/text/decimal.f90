@@ -1,11 +1,11 @@
-!> Shortest decimal digits of a double precision number, by one product in quadruple precision.
+!> Shortest digits of a double precision number, and decimals instead of their rounding errors.
 module rwmf_text_decimal
    use, intrinsic :: iso_fortran_env, only: real128
-   use rwmf_core_kinds, only: dp, i8
+   use rwmf_core_kinds, only: dp, i8, wp
    implicit none
    private
 
-   public :: shortest_digits, digit_count
+   public :: shortest_digits, short_decimal, digit_count
 
    integer, parameter :: digit_count = 17
    !! number of digits that distinguish every double precision number from its neighbours
@@ -64,5 +64,22 @@ contains
       digits = lowest
       exponent = exponent + 1
    end subroutine shortest_digits
+
+   !> The decimal of at most twelve digits that lies within rounding errors of x, otherwise x.
+   !>
+   !> Labels such as 3*0.1 then equal the number that a user writes.
+   elemental real(wp) function short_decimal(x) result(found)
+      real(wp), intent(in) :: x
+      !! of any unit [-]
+      integer, parameter :: digits = 12
+      real(wp) :: power
+
+      found = x
+      ! beyond these the power of ten is not exact
+      if (abs(x) < 1.0e-10_wp .or. abs(x) >= 1.0e11_wp) return
+      power = 10.0_wp**(digits - 1 - floor(log10(abs(x))))
+      found = anint(x*power, wp)/power
+      if (abs(found - x) > 4*spacing(x)) found = x
+   end function short_decimal
 
 end module rwmf_text_decimal

@@ -196,6 +196,20 @@ def test_the_rigid_wall_is_told_where_it_matters() -> None:
     assert not any(RIGID in line for line in alone.kernel.warnings())
 
 
+def test_landings_are_told_until_springs_and_shear_limit_them() -> None:
+    case = rwmf.Case(**BUILDING).replace(fuse=None, bending={"E": 3e10})
+    for coupling, bending, texts in (
+        ("every_floor", {"nu": 0.2}, ("base shear, lowest links", "; coupling = 'springs'")),
+        ("springs", {}, ("the base shear comes", "&bending nu")),
+        ("springs", {"nu": 0.2}, ()),
+    ):
+        link = {"k_link": 3e8} if coupling == "springs" else {}
+        told = case.replace(storeys={"coupling": coupling} | link, bending=bending)
+        lines = told.kernel.warnings()
+        assert len(lines) == bool(texts), lines
+        assert all(text in lines[0] for text in texts)
+
+
 def test_a_sweep_tells_of_the_rigid_wall() -> None:
     case = rwmf.Case(**BUILDING)
     for quantity, n in (("storey_drift_max", 0), ("wall_moment_max", 1)):

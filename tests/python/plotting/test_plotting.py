@@ -54,6 +54,26 @@ def test_a_history_shows_the_ground_and_every_storey() -> None:
             rwmf.plot.history(run, variables=[name])
 
 
+def test_forces_are_in_kn_and_ticks_of_many_impacts_apart() -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "fig12_one_cosine.nml")
+    run = rwmf.simulate(case, dt=0.05)
+    labels = [ax.get_ylabel() for ax in rwmf.plot.history(run)]
+    assert "tendon force $P/(m_wg)$" in labels
+    wall = {"density": 2500.0, "thickness": 0.3}
+    heavy = rwmf.simulate(case.replace(wall=wall), dt=0.05)
+    panels = rwmf.plot.history(heavy)
+    labels = [ax.get_ylabel() for ax in panels]
+    force = panels[labels.index("tendon force $P$ (kN)")]
+    assert force.lines[0].get_ydata() == pytest.approx(heavy["cable_force"].values)
+    assert force.yaxis.get_major_formatter()(2.0e3) == "2"
+    n = int((heavy["event"] == "impact").sum())
+    ticks = force.lines[-1].get_xdata()
+    assert n > 100 > ticks.size > 1
+    assert np.diff(ticks).min() >= float(heavy["time"][-1]) / 120
+    legends = [item for item in panels[-1].get_children() if isinstance(item, Legend)]
+    assert legends[0].get_texts()[0].get_text() == f"one or more of {n} impacts"
+
+
 def _areas(ax: Axes) -> dict[tuple[float, ...], float]:
     """Area of the regions of a map by their colour."""
     found: dict[tuple[float, ...], float] = {}

@@ -6,7 +6,8 @@ import numpy as np
 import rwmf
 from hypothesis import given
 from hypothesis import strategies as st
-from rwmf.cli.words import numbers, short_decimal
+from rwmf.cli.words import numbers
+from rwmf.kernel.numbers import short_decimal
 from scenes import coupled
 
 
@@ -26,6 +27,20 @@ def test_axes_of_sweeps_and_spectra_are_labels() -> None:
     assert spectrum.sel(T_s=slice(0.5, 1.0), gamma=50)["u_s_max"].squeeze().shape == (2,)
     points = rwmf.sweep(coupled(), points={"T_s": [0.5, 1.0, 1.5], "e": [0.8, 0.85, 0.9]})
     assert points.sel(T_s=slice(0.6, 1.5))["e"].values.tolist() == [0.85, 0.9]
+
+
+def test_times_and_periods_of_ranges_are_decimals() -> None:
+    """In a run, a spectrum and a sweep over the periods of the same group alike."""
+    case = coupled(spectrum={"T_s_min": 0.1, "T_s_max": 3.0, "n": 30}, solver={"t_end": 1.0})
+    tenths = [round(0.1 * i, 1) for i in range(31)]
+    run = rwmf.simulate(case.replace(output={"dt": 0.1}))
+    assert run["time"].values.tolist() == tenths[:11]
+    assert rwmf.spectrum(case)["T_s"].values.tolist() == tenths[1:]
+    assert rwmf.sweep(case, {"e": [0.8]})["T_s"].values.tolist() == tenths[1:]
+    log = rwmf.spectrum(
+        case.replace(spectrum={"T_s_min": 0.01, "T_s_max": 10.0, "n": 4, "spacing": "log"})
+    )
+    assert log["T_s"].values.tolist() == [0.01, 0.1, 1.0, 10.0]
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))

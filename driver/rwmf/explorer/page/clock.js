@@ -34,6 +34,14 @@ export class Clock {
     this.set(Math.min(this.t, this.end));
   }
 
+  // Begin anew with the next answer.
+  rewind() {
+    this.pause();
+    this.placed = true;
+    this.first = !this.still.matches;
+    this.t = 0;
+  }
+
   set(t) {
     this.t = t;
     this.slider.value = Math.round(1000 * t / this.end);

@@ -39,10 +39,6 @@ export class Controls {
     byId("groups").replaceChildren(
       ...scene.description.groups.filter((group) => scene.has(group.name))
         .map((group) => this.group(group)));
-    if (scene.description.read_only) {
-      const fields = byId("groups").querySelectorAll("input, select, button");
-      for (const field of fields) field.disabled = true;
-    }
     byId("absent").replaceChildren(
       ...scene.description.groups.filter((group) => group.can_be_added && !scene.has(group.name)).map((group) =>
         element("button", { type: "button", id: `add-${group.name}`, title: `&${group.name}`,
@@ -65,7 +61,7 @@ export class Controls {
       element("summary", {}, group.title, element("span", { class: "brief" }, `&${group.name}`)),
       ...(group.name === "motion" && scene.get("motion.kind") === "record"
         ? [element("p", { class: "hint" },
-          scene.recordName ? `record: ${scene.recordName}` : "Choose a file below: Own record")]
+          scene.recordName ? `record: ${scene.recordName}` : "Choose one below: Record")]
             : []),
       ...given.map((key) => this.key(group.name, key)),
       this.others(group, others));
@@ -81,7 +77,7 @@ export class Controls {
       element("summary", {}, keys.length
         ? `${keys.length} more ${keys.length > 1 ? "keys" : "key"}` : "More"),
       ...keys.map((key) => element("div", { class: "absent-key", title: key.allowed },
-        element("span", {}, element("b", {}, key.key), ` ${key.help}`,
+        element("span", {}, `${key.help} `, element("b", {}, key.key),
           key.default === "none" || key.default === "required" ? ""
             : ` (${`${key.default} ${unit(key.unit)}`.trim()})`),
         element("button", { type: "button", id: `set-${group.name}.${key.key}`,
@@ -101,7 +97,7 @@ export class Controls {
     const { scene } = this;
     const name = `${group}.${key.key}`;
     const label = element("label", { for: name, title: `${key.help}; ${key.allowed}` },
-      element("b", {}, key.key), key.help);
+      `${key.help} `, element("b", {}, key.key));
     const parts = { real: "number", integer: "number", choice: "choice", logical: "box",
       text: "word" };
     const row = this[parts[key.kind] ?? "list"](name, key);

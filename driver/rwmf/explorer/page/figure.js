@@ -84,8 +84,12 @@ export function panel(curves, options) {
     text(left, 15, options.title, { fill: tone("ink"), "font-weight": 600 }));
   curves.forEach((curve, i) => body.append(...drawn(curve, i, X, Y, tone)));
   body.append(...key(curves, right, tone));
-  return node("svg", { xmlns: SPACE, viewBox: `0 0 ${width} ${height}`, width, height, role: "img",
+  const svg = node("svg", { xmlns: SPACE, viewBox: `0 0 ${width} ${height}`, width, height,
+    role: "img",
     "aria-label": `${options.title ?? ""} ${options.yLabel} over ${options.xLabel}`.trim() }, body);
+  // a point of the panel that moves
+  svg.point = (x, y) => node("circle", { cx: X(x), cy: Y(y), r: 5, fill: tone("c1") });
+  return svg;
 }
 
 function drawn(curve, i, X, Y, tone) {

@@ -44,6 +44,10 @@ export const byId = (name) => document.getElementById(name);
 export const colour = (name) => getComputedStyle(document.documentElement)
   .getPropertyValue(`--${name}`).trim();
 
+// Size of the text of pictures [px].
+export const textSize = () =>
+  0.75 * parseFloat(getComputedStyle(document.documentElement).fontSize);
+
 // A text as a file.
 export function save(name, kind, text) {
   const url = URL.createObjectURL(new Blob([text], { type: kind }));

@@ -11,6 +11,7 @@ import { byId, element, short } from "./format.js";
 import { showLoops } from "./loops.js";
 import { Motion } from "./motion.js";
 import { showCaptions, showNamelist, showNumbers, showProblem, showWarnings } from "./numbers.js";
+import { Phase } from "./phase.js";
 import { Pictures, bare, mapValues } from "./pictures.js";
 import { Rival } from "./rival.js";
 import { Scene } from "./scene.js";
@@ -41,8 +42,13 @@ class Explorer {
     this.upload = new Upload(this.scene);
     this.rival = new Rival(this.scene, () => this.touch(false));
     this.pictures = new Pictures((t) => this.clock.seek(t), (T) => this.pickPeriod(T));
-    this.stage = new Stage(byId("stage"), byId("factor"));
-    this.clock = new Clock((t) => { this.pictures.mark(t); this.stage.draw(t); });
+    this.phase = new Phase();
+    this.stage = new Stage(byId("stage"), byId("factor"), () => this.clock.pause(),
+      description.read_only ? null : (share) => this.letGo(share));
+    this.clock = new Clock((t) => {
+      for (const picture of [this.pictures, this.phase]) picture.mark(t);
+      this.stage.draw(t);
+    });
     this.address = new Address((state) => this.restore(state));
     byId("name").textContent = `explore ${description.name}`;
     document.title = `${description.name} – rwmf explore`;
@@ -66,6 +72,10 @@ class Explorer {
     press("save", () => saveNamelist(this.scene));
     press("copy", (event) => copyNamelist(event.target));
     press("figure", () => saveFigure(this.pictures, this.scene.description.name));
+    press("lecture", () => this.lecture(!document.documentElement.matches(".lecture")));
+    document.addEventListener("fullscreenchange", () => {
+      if (!document.fullscreenElement) this.lecture(false);
+    });
     byId("quantity").addEventListener("change", (event) => {
       this.quantity = event.target.value;
       this.touch(false);
@@ -81,6 +91,10 @@ class Explorer {
       else return;
       event.preventDefault();
     });
+    // what sticks below the header must not lie under it
+    const header = document.querySelector("header");
+    new ResizeObserver(() => document.documentElement.style
+      .setProperty("--header", `${header.offsetHeight}px`)).observe(header);
     const phone = matchMedia("(max-width: 760px)");
     byId("panel").addEventListener("toggle", ({ target }) => {
       document.body.classList.toggle("sliding", target.open);
@@ -90,11 +104,28 @@ class Explorer {
     if (phone.matches) byId("panel").open = false;
   }
 
-  // A copy with stored answers shows its examples only.
+  letGo(share) {
+    this.clock.rewind();
+    this.scene.release(share);
+  }
+
+  // Full screen for an audience: wall, phase portrait and sliders, in large letters.
+  lecture(on) {
+    document.documentElement.classList.toggle("lecture", on);
+    byId("lecture").setAttribute("aria-pressed", String(on));
+    // a frame of a notebook may not fill the screen
+    if (on) document.documentElement.requestFullscreen?.().catch(() => {});
+    else if (document.fullscreenElement) document.exitFullscreen();
+    this.pictures.remake();
+    this.phase.make();
+    this.clock.set(this.clock.t);
+  }
+
+  // A copy with stored answers is a film of its examples.
   forbidChanges() {
     document.body.classList.add("read-only");
     this.report = () => {
-      byId("status").textContent = "copy with stored answers: its sliders move in rwmf explore";
+      byId("status").textContent = "film of stored answers: rwmf explore has sliders";
     };
   }
 
@@ -232,6 +263,7 @@ class Explorer {
     const labels = other && this.rival.labels(answer, other);
     this.pictures.drawHistory(answer, columns, ghost && { columns: ghost.columns, labels });
     this.stage.show(own, this.rival.isPinned ? ghost : null);
+    this.phase.show(own, ghost?.columns);
     this.clock.follow(columns, own.impacts);
     showLoops(answer.loops);
     showNumbers(answer);
@@ -313,7 +345,7 @@ class Explorer {
     if (select.dataset.keys !== keys) {
       select.dataset.keys = keys;
       select.replaceChildren(...answer.quantities.map(([key, help]) =>
-        element("option", { value: key, title: help }, bare(key))));
+        element("option", { value: key }, `${help} (${bare(key)})`)));
     }
     select.value = answer.quantity.key;
   }

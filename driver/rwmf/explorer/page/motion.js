@@ -53,6 +53,16 @@ export class Motion {
     return a === null || b === null ? (a ?? last(column, i)) : a + (b - a) * (x - i);
   }
 
+  // The initial state of a rotation: the wall takes along the floors that are linked to it.
+  tilted(theta) {
+    const { coupling, heights } = this.scene;
+    const drifts = this.drifts.map((_, i, all) => (coupling === "every_floor" ? theta
+      : coupling === "full" && i === all.length - 1 ? theta * this.height / heights[i] : 0));
+    return Object.assign(Object.create(this), { ground: null,
+      at: (column) => (column === this.columns.theta ? theta
+        : drifts[this.drifts.indexOf(column)] ?? 0) });
+  }
+
   // Deflections of the wall at equal distances from foot to top [m]; two zeros for a rigid wall.
   deflections(t) {
     const { shapes } = this.scene;

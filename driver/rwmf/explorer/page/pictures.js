@@ -1,7 +1,7 @@
 // Spectrum and histories, drawn by uPlot; one clock, shown as a line in all of them.
 
 import { unpack } from "./bridge.js";
-import { byId, colour, element, fromSi, short, unit } from "./format.js";
+import { byId, colour, element, fromSi, short, textSize, unit } from "./format.js";
 
 const line = (label, name, more = {}) =>
   ({ label, tone: name, stroke: () => colour(name), width: 1.6, points: { show: false },
@@ -37,10 +37,15 @@ class Chart {
 
   // Put data in; the plot is made anew only when there are other lines.
   draw(series, data, bands = []) {
-    Object.assign(this, { series, data });
+    Object.assign(this, { series, data, bands });
     const shape = JSON.stringify([series.map((item) => item.label), this.labels]);
     if (shape !== this.shape) this.make(series, data, bands, shape);
     else this.plot.setData(data);
+  }
+
+  // Again, with texts of another size.
+  remake() {
+    if (this.plot) this.make(this.series, this.data, this.bands, this.shape);
   }
 
   make(series, data, bands, shape) {
@@ -48,8 +53,8 @@ class Chart {
     this.shape = shape;
     // an empty place is not shown, and has no width
     this.place.replaceChildren(element("span"));
-    const axis = { stroke: () => colour("soft"), font: "12px system-ui, sans-serif",
-      labelFont: "12px system-ui, sans-serif",
+    const font = `${textSize()}px system-ui, sans-serif`;
+    const axis = { stroke: () => colour("soft"), font, labelFont: font,
       grid: { stroke: () => colour("line"), width: 1 },
         ticks: { stroke: () => colour("line"), width: 1 } };
     const options = {
@@ -128,6 +133,10 @@ export class Pictures {
     }
   }
 
+  remake() {
+    for (const chart of [this.spectrum, ...Object.values(this.charts)]) chart.remake();
+  }
+
   mark(t) {
     this.t = t;
     for (const chart of Object.values(this.charts)) chart.mark(t);
@@ -143,7 +152,7 @@ export class Pictures {
       (column) => resample(rival.columns.time, column, columns.time));
     this.lines("u_s", columns, second, "u_s", "u_s");
     this.lines("theta", columns, second, "theta", "θ");
-    if (columns.u_g_ddot) {
+    if (columns.u_g_ddot?.some(Boolean)) {
       const g = Array.from(columns.u_g_ddot, (x) => (x === null ? null : x / answer.scene.g));
       this.charts.ground.draw([line("ü_g", "c2", { width: 1 })], [columns.time, g]);
     } else this.charts.ground.clear();
@@ -247,8 +256,12 @@ export class Pictures {
     ctx.strokeStyle = colour("c1");
     ctx.lineWidth = devicePixelRatio;
     ctx.beginPath();
+    let last = -Infinity;
     for (const t of this.impacts) {
       const x = u.valToPos(t, "x", true);
+      // ticks of many impacts stay ticks
+      if (x - last < 4 * devicePixelRatio) continue;
+      last = x;
       ctx.moveTo(x, level - 5 * devicePixelRatio);
       ctx.lineTo(x, level + 5 * devicePixelRatio);
     }

@@ -1,7 +1,7 @@
 // Interstorey drift (IDR) and peak floor acceleration (PFA) over the height, beside the moving
 // picture and at its scale: peaks as outlines, the present values filled.
 
-import { colour, short } from "./format.js";
+import { colour, short, textSize } from "./format.js";
 
 const GAP = 12; // between the two panels [px]
 
@@ -17,7 +17,7 @@ export function drawProfile(ctx, motion, ghost, t, left, width, Y) {
     { title: `PFA ${short(Math.max(...profile.acceleration), 2)} g`, x: left + half + GAP,
       most: most("acceleration") },
   ];
-  ctx.font = "12px system-ui, sans-serif";
+  ctx.font = `${textSize()}px system-ui, sans-serif`;
   for (const panel of panels) {
     panel.X = (value) => panel.x + value / panel.most * (half - 4);
     stroke(ctx, "line", [[panel.x, top], [panel.x, Y(0)], [panel.x + half, Y(0)]], 1);

@@ -308,6 +308,19 @@ export class Scene {
     this.unpublish(name);
   }
 
+  // Let the wall go from a rotation, over its slenderness, while the ground rests.
+  release(share) {
+    this.put("initial");
+    this.groups.initial = { theta_over_alpha: share };
+    this.take("vertical");
+    if (this.has("motion")) this.setKey("motion.kind", "none");
+    // a record set the end of the run
+    this.put("solver");
+    this.start("solver.t_end");
+    this.settle();
+    this.changed(true);
+  }
+
   remove(name) {
     this.take(name);
     this.changed(true);

@@ -1,7 +1,7 @@
-// Own record: upload of a file, its state in one line.
+// Shipped record, or upload of a file; its state in one line.
 
 import { ask } from "./bridge.js";
-import { byId } from "./format.js";
+import { byId, element } from "./format.js";
 
 export class Upload {
   constructor(scene) {
@@ -14,6 +14,13 @@ export class Upload {
       this.send();
     });
     byId("upload").addEventListener("submit", (event) => event.preventDefault());
+    const { records } = scene.description;
+    byId("shipped").append(...Object.entries(records).map(([name, title]) =>
+      element("option", { value: name }, title)));
+    byId("shipped").addEventListener("change", ({ target }) => {
+      this.file = null;
+      if (target.value) this.add(target.value, { shipped: target.value }, "");
+    });
     for (const name of ["unit", "interval"]) byId(name)
       .addEventListener("change", () => this.send());
   }
@@ -28,15 +35,19 @@ export class Upload {
   async send() {
     const { file } = this;
     if (!file) return;
-    const state = byId("upload-state");
-    const words = new URLSearchParams({ name: file.name, unit: byId("unit").value });
     const interval = byId("interval").value.trim();
-    if (interval) words.set("dt", interval);
+    byId("shipped").value = "";
+    await this.add(file.name, { name: file.name, unit: byId("unit").value,
+      ...(interval ? { dt: interval } : {}) }, file);
+  }
+
+  async add(name, words, content) {
+    const state = byId("upload-state");
     state.className = "";
-    state.textContent = `reading ${file.name} …`;
+    state.textContent = `reading ${name} …`;
     const mine = ++this.count;
     try {
-      const answer = await ask(`/api/record?${words}`, file);
+      const answer = await ask(`/api/record?${new URLSearchParams(words)}`, content);
       // another file or a reset has replaced this upload
       if (mine !== this.count) return;
       state.textContent = `${answer.name}: ${answer.facts}`;

@@ -1,14 +1,17 @@
 // Wall, frame, tendon and ground at the time of the clock, on a canvas, with the profile over the
 // height. Rotations and the deflection of a wall that bends are magnified, by the factors of
-// `rwmf animate`. A pinned state is a ghost at the same factors.
+// `rwmf animate`. A pinned state is a ghost at the same factors. A hand can hold the wall.
 
-import { colour } from "./format.js";
+import { byId, colour, textSize } from "./format.js";
 import { magnification, peak } from "./motion.js";
 import { drawProfile } from "./profile.js";
 
 const FLASH = 0.12; // how long an impact stays marked [s]
 const HINGE = 0.12; // distance of a hinge from the end of its column, over the height
 const GHOST = 0.35; // opacity of a pinned state
+const MOST = 0.95; // a wall let go from beyond overturns at once [of the slenderness]
+const PUSH = 0.05; // rotation by one key [of the slenderness]
+const ROOM = [0.5, 1.1]; // for a frame beside the wall, over its height
 
 // Corners of the wall turned about the one that is down: left bottom, right bottom, right top, left
 // top.
@@ -20,9 +23,13 @@ function corners(h, b, theta, pinned) {
 }
 
 export class Stage {
-  constructor(canvas, factorPlace) {
-    this.canvas = canvas;
-    this.factorPlace = factorPlace;
+  // `grabbed` is called at the beginning, `released` with the rotation over the slenderness.
+  constructor(canvas, factorPlace, grabbed, released) {
+    Object.assign(this, { canvas, factorPlace, grabbed, released });
+    this.holdByPointer();
+    canvas.addEventListener("keydown", ({ key }) => this.holdByKey(key));
+    canvas.addEventListener("blur", () => this.hold(null));
+    byId("flash").addEventListener("change", () => this.draw(this.t));
     new ResizeObserver(() => this.draw(this.t ?? 0)).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)")
       .addEventListener("change", () => this.draw(this.t ?? 0));
@@ -30,7 +37,7 @@ export class Stage {
 
   // `motion` and `ghost`: the state, and the pinned one or null.
   show(motion, ghost) {
-    Object.assign(this, { motion, ghost });
+    Object.assign(this, { motion, ghost, held: null });
     this.factor = magnification(motion.rotation);
     this.bend = motion.modes.length
       ? Math.max(this.factor, magnification(motion.deflection / motion.height)) : this.factor;
@@ -44,16 +51,87 @@ export class Stage {
       .map(([factor, what]) => `${what} ${factor} times`);
     if (motion.yieldTimes.some(Number.isFinite)) texts.unshift("● yielded");
     if (ghost) texts.unshift("faint: pinned");
-    this.factorPlace.textContent = texts.join(", ");
+    this.caption = texts.join(", ");
+    this.offer();
   }
 
-  // Distances left and right of the middle of the base, moving with roof and ground.
+  // A wall can be held; a frame alone is only a picture.
+  offer() {
+    const { canvas, held } = this;
+    const can = this.canHold;
+    canvas.tabIndex = can ? 0 : -1;
+    canvas.style.cursor = can ? "grab" : "";
+    canvas.setAttribute("role", can ? "slider" : "img");
+    canvas.setAttribute("aria-label",
+      "Wall, frame, profile over the height and ground at the time of the clock"
+      + (can ? ". Arrow keys tilt the wall, Enter lets it go" : ""));
+    canvas.title = can ? "Grab the wall and let it go" : "";
+    canvas.setAttribute("aria-valuenow", held ?? 0);
+    this.factorPlace.textContent = held === null ? this.caption || canvas.title
+      : `held at ${held.toFixed(2)} of its slenderness`;
+    canvas.setAttribute("aria-valuetext", this.factorPlace.textContent);
+  }
+
+  get canHold() { return Boolean(this.released && this.motion?.scene.h); }
+
+  get alpha() { return Math.atan2(this.motion.scene.b, this.motion.scene.h); }
+
+  // Hold the wall at a rotation over its slenderness, null for none.
+  hold(share) {
+    if (this.held === share || !this.canHold) return;
+    if (share !== null && this.held === null) this.grabbed();
+    this.held = share === null ? null : Math.max(-MOST, Math.min(MOST, share));
+    this.offer();
+    this.draw(this.t);
+  }
+
+  letGo() {
+    const share = Number(this.held.toFixed(2));
+    if (share) this.released(share);
+    else this.hold(null);
+  }
+
+  holdByPointer() {
+    const { canvas } = this;
+    const place = (event) => {
+      const { left, top } = canvas.getBoundingClientRect();
+      return [(event.clientX - left - this.origin[0]) / this.scale,
+        (this.origin[1] - event.clientY + top) / this.scale];
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      const [x, y] = place(event);
+      const [left, right] = this.motion?.scene.ends ?? [0, 0];
+      const near = 0.15 * this.height;
+      if (!this.canHold || y < 0 || x < left - near || x > right + near + y) return;
+      canvas.setPointerCapture(event.pointerId);
+      // the grabbed point follows the hand
+      this.from = [x, Math.max(y, 0.3 * this.height)];
+      this.hold(0);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (this.from) this.hold((place(event)[0] - this.from[0]) / this.from[1] / this.alpha);
+    });
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => {
+      if (this.from && this.held !== null) this.letGo();
+      this.from = null;
+    });
+  }
+
+  holdByKey(key) {
+    const push = { ArrowRight: PUSH, ArrowLeft: -PUSH }[key];
+    if (push) this.hold((this.held ?? 0) + push);
+    else if (this.held !== null && key === "Enter") this.letGo();
+    else if (key === "Escape") this.hold(null);
+  }
+
+  // Distances left and right of the middle of the base, moving with roof and ground; without the
+  // frame beside a wall.
   reach({ scene, columns, ground, height, deflection }) {
     const sway = this.bend * deflection + this.factor * (columns.theta
       ? height * Math.min(peak(columns.theta), Math.PI / 2) : peak(columns.u_s));
     const moves = sway + peak(ground) + 0.08 * height;
     const [left, right] = scene.ends ?? [-0.3 * height, 0.3 * height];
-    return [moves - left + (scene.h && scene.frame ? 1.1 * height : 0), moves + right];
+    return [moves - left, moves + right];
   }
 
   draw(t) {
@@ -71,18 +149,32 @@ export class Stage {
     ctx.clearRect(0, 0, width, height);
     const { heights } = motion.profile;
     // one storey needs less room
-    const beside = heights.length ? Math.min(heights.length > 1 ? 210 : 150, 0.42 * width) : 0;
+    const wide = (heights.length > 1 ? 210 : 150) * textSize() / 12;
+    const beside = heights.length ? Math.min(wide, 0.42 * width) : 0;
     const H = this.height;
-    const scale = Math.min((width - beside) / (this.left + this.right), height / (1.25 * H));
+    // the frame takes the room that the wall leaves at full height
+    const full = height / (1.25 * H);
+    const free = (width - beside) / full - this.left - this.right;
+    this.room = motion.scene.h && motion.scene.frame
+      ? Math.max(ROOM[0] * H, Math.min(ROOM[1] * H, free)) : 0;
+    const left = this.left + this.room;
+    const scale = this.scale = Math.min((width - beside) / (left + this.right), full);
     const base = height - 0.08 * H * scale - 4;
     if (beside) {
       drawProfile(ctx, motion, this.ghost, t, width - beside + 6, beside - 10,
         (y) => base - y * scale);
     }
-    ctx.translate((width - beside - (this.right - this.left) * scale) / 2, base);
+    this.origin = [(width - beside - (this.right - left) * scale) / 2, base];
+    ctx.translate(...this.origin);
     ctx.scale(scale, -scale);
-    this.pixel = 1 / scale;
-    this.soil(motion.ground ? motion.at(motion.ground, t) : 0, H);
+    // lines are wider where texts are larger
+    this.pixel = textSize() / 12 / scale;
+    if (this.held !== null) {
+      this.soil(0, left, H);
+      this.structure(motion.tilted(this.held * this.alpha), -1);
+      return;
+    }
+    this.soil(motion.ground ? motion.at(motion.ground, t) : 0, left, H);
     if (this.ghost) {
       ctx.globalAlpha = GHOST;
       this.structure(this.ghost, Math.min(t, this.ghost.columns.time.at(-1)));
@@ -112,12 +204,12 @@ export class Stage {
     ctx.stroke();
   }
 
-  soil(ground, H) {
+  soil(ground, left, H) {
     const y = -0.015 * H;
-    this.path([[ground - this.left, y], [ground + this.right, y]], "alone", 3);
+    this.path([[ground - left, y], [ground + this.right, y]], "alone", 3);
     // at most 200 strokes, also for a wall far wider than high
-    const step = Math.max(0.12 * H, (this.left + this.right) / 200);
-    for (let x = ground - this.left; x <= ground + this.right; x += step) {
+    const step = Math.max(0.12 * H, (left + this.right) / 200);
+    for (let x = ground - left; x <= ground + this.right; x += step) {
       this.path([[x, y], [x - 0.05 * H, y - 0.05 * H]], "alone", 1);
     }
   }
@@ -137,7 +229,7 @@ export class Stage {
     const { scene, impacts } = motion;
     const { h, b, pinned, frame, axes } = scene;
     const theta = motion.at(motion.columns.theta, t);
-    const angle = this.factor * theta;
+    const angle = (this.held === null ? this.factor : 1) * theta;
     const { base_height: middle, base_slip: slip } = motion.columns;
     const foot = ground + (slip ? motion.at(slip, t) : 0);
     const box = corners(h, b, angle, pinned).map(([x, y]) => [x + foot, y]);
@@ -163,15 +255,25 @@ export class Stage {
       if (kind === "cable") this.path(bent(from, to), "c2", 2);
       else this.path([from, to], tone === null ? "alone" : `c${tone}`, 3);
     }
-    if (!impacts.some((instant) => t >= instant && t - instant < FLASH)) return;
+    const since = t - (impacts.findLast((instant) => instant <= t) ?? -1);
+    if (since > FLASH || this.held !== null || !byId("flash").checked) return;
     const [x, y] = theta > 0 ? box[1] : box[0];
-    const { ctx } = this;
-    ctx.fillStyle = colour("c1");
-    for (const axis of axes) {
-      ctx.beginPath();
-      ctx.arc(x + axis, y, 7 * this.pixel, 0, 2 * Math.PI);
-      ctx.fill();
-    }
+    for (const axis of axes) this.flash(x + axis, y, since / FLASH);
+  }
+
+  // A dot at a corner, and a ring that spreads.
+  flash(x, y, share) {
+    const { ctx, pixel } = this;
+    ctx.fillStyle = ctx.strokeStyle = colour("c1");
+    ctx.lineWidth = 2 * pixel;
+    ctx.beginPath();
+    ctx.arc(x, y, 7 * pixel, 0, 2 * Math.PI);
+    ctx.fill();
+    ctx.globalAlpha = 1 - share;
+    ctx.beginPath();
+    ctx.arc(x, y, (7 + 18 * share) * pixel, 0, 2 * Math.PI);
+    ctx.stroke();
+    ctx.globalAlpha = 1;
   }
 
   // Dots at the ends of the columns of storeys that have yielded.
@@ -196,8 +298,8 @@ export class Stage {
     const { scene, columns } = motion;
     const H = motion.height;
     // beside the columns that restrain the wall
-    const right = face ? foot + scene.b + scene.ends[0] - 0.5 * H : foot + 0.3 * H;
-    const left = right - 0.6 * H;
+    const right = face ? foot + scene.b + scene.ends[0] - 0.45 * this.room : foot + 0.3 * H;
+    const left = right - (face ? 0.55 * this.room : 0.6 * H);
     const floors = scene.heights ? levels(scene.heights) : [H];
     const linked = ["every_floor", "springs"].includes(scene.coupling);
     // where links hold the frame along the wall it bends with it; elsewhere in a straight line
@@ -207,7 +309,7 @@ export class Stage {
     const moves = floors.map((y, i) => {
       const drift = columns[`storey_${i + 1}_drift`];
       if (!drift) return sway * y / H;
-      moved += this.factor * motion.at(drift, t) * scene.heights[i];
+      moved += (this.held === null ? this.factor : 1) * motion.at(drift, t) * scene.heights[i];
       return moved + bent(y);
     });
     const shape = scene.heights

@@ -36,16 +36,15 @@ contains
             //'miniSEED or SAC to '//as_columns)
          return
       end if
-      name = converted_format(bytes)
+      name = unread_format(bytes)
       if (name /= '') then
-         call fail(error, err_input, 'the file has the format '//trim(name) &
-            //", which the command 'rwmf records convert' writes as columns for &motion")
+         call fail(error, err_input, 'the format '//trim(name)//' is not read: write '// &
+            as_columns//'; '//known_formats)
          return
       end if
-      name = unread_format(bytes)
-      if (name == '') return
-      call fail(error, err_input, 'the format '//trim(name)//' is not read: write '//as_columns &
-         //'; '//known_formats)
+      name = converted_format(bytes)
+      if (name /= '') call fail(error, err_input, 'the file has the format '//trim(name) &
+         //", which the command 'rwmf records convert' writes as columns for &motion")
    end subroutine check_format
 
    !> Kind of an archive or document, '' for none.
@@ -83,6 +82,8 @@ contains
       if (index(line, '(format v') > 0 .and. index(line, 'acceleration') > 0) name = 'COSMOS'
       if (index(line, 'uncorrected accelerogram data') == 1) name = 'CGS'
       if (index(line, 'corrected accelerogram ') == 1) name = 'CGS'
+      line = to_lower(bytes(:min(len(bytes), head)))
+      if (index(line, 'corrected acceleration ') > 0 .and. index(line, 'unit:') > 0) name = 'CSMNC'
    end function converted_format
 
    !> Name of a format that nothing here reads, '' for none.
@@ -93,6 +94,7 @@ contains
       character(*), parameter :: smc(7) = [character(24) :: 'unknown', 'uncorrected accelerogram', &
          'corrected accelerogram', 'velocity', 'displacement', 'response spectra', 'fourier']
       integer :: i
+      logical :: is_cosmos, is_of_gns
 
       line = adjustl(first_line(bytes))
       name = ''
@@ -102,10 +104,16 @@ contains
          end do
       end if
       if (index(line, 'strong ground motion records of t') == 1) name = 'AFAD (Turkey)'
-      if (index(line, 'geonet') > 0) name = 'GeoNet'
+      is_of_gns = index(line, 'gns') > 0 .or. index(line, 'geological and nuc') > 0
+      if (index(line, 'corrected accelerogram ') > 0 .and. is_of_gns) name = 'GeoNet (New Zealand)'
+      if (index(line, 'geonet') > 0) name = 'GeoNet (New Zealand)'
+      if (index(line, 'response and fourier amplitude') == 1) name = 'CSMIP volume 3 (spectra)'
       if (index(line, '#earthquake information') == 1 .or. index(line, '# earthquake information') &
          == 1 .or. index(line, '#stationcode') == 1) name = 'CWB (Taiwan)'
-      if (index(line, '(format v') > 0) name = 'COSMOS without accelerations'
+      is_cosmos = index(line, '(format v') > 0
+      if (is_cosmos .and. index(line, 'acceleration') == 0) name = 'COSMOS without accelerations'
+      line = to_lower(bytes(:min(len(bytes), head)))
+      if (index(line, 'archivo estandar de aceleracion') > 0) name = 'UNAM/ASA (Mexico)'
    end function unread_format
 
    pure function first_line(bytes) result(line)

@@ -18,6 +18,7 @@ module rwmf_simulation_base_base_record
    use rwmf_problem_quantity_values, only: clear, put, values_t
    use rwmf_simulation_state_history, only: create_history, history_t
    use rwmf_simulation_state_result, only: energy_t
+   use rwmf_text_decimal, only: short_decimal
    implicit none
    private
 
@@ -504,7 +505,7 @@ contains
       real(wp) :: time
 
       do while (record%rows < size(record%history%values, 1))
-         time = record%rows*record%dt
+         time = short_decimal(record%rows*record%dt)
          ! the next step writes the row at its start
          if (time > t .and. time >= t + h) return
          record%rows = record%rows + 1

@@ -42,6 +42,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_state_history, only: create_history, history_t, shorten_history
    use rwmf_simulation_state_newtons, only: force_t, forces_of, put_newtons
    use rwmf_simulation_state_result, only: append_event, energy_t, event_t, shorten_events
+   use rwmf_text_decimal, only: short_decimal
    implicit none
    private
 
@@ -478,7 +479,7 @@ contains
       real(wp) :: t
 
       do while (recorder%next_row <= size(recorder%history%values, 1))
-         t = (recorder%next_row - 1)*recorder%dt
+         t = next_time(recorder)
          if (t > piece%t_b) exit
          call piece%integrator%state_at(t, y, error)
          if (allocated(error)) return
@@ -489,6 +490,13 @@ contains
          call write_row(recorder, piece%equation, t, y, y_dot, energy)
       end do
    end subroutine sample_piece
+
+   !> Time of the next row of the history [s].
+   pure real(wp) function next_time(recorder)
+      type(recorder_t), intent(in) :: recorder
+
+      next_time = short_decimal((recorder%next_row - 1)*recorder%dt)
+   end function next_time
 
    !> Record a wall at rest from t_a to t_b, inside the current interval of the motion.
    subroutine observe_rest(recorder, equation, y, t_a, t_b)
@@ -511,7 +519,7 @@ contains
       end if
       if (.not. recorder%keeps_history) return
       do while (recorder%next_row <= size(recorder%history%values, 1))
-         t = (recorder%next_row - 1)*recorder%dt
+         t = next_time(recorder)
          if (t > t_b) exit
          call find_rates_at_rest(equation, t, y, y_dot)
          call write_row(recorder, equation, t, y, y_dot, recorder%energy)
@@ -734,7 +742,7 @@ contains
       call shorten_events(recorder%events, recorder%n_events)
       if (recorder%next_row > size(recorder%history%values, 1)) return
       ! The last row may lie within round-off beyond the end.
-      if ((recorder%next_row - 1)*recorder%dt <= t*(1 + 16*epsilon(t))) then
+      if (next_time(recorder) <= t*(1 + 16*epsilon(t))) then
          call write_row(recorder, equation, t, y, y_dot, recorder%energy)
       end if
       ! overturning and collapse end the history early
