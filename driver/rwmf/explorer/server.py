@@ -40,7 +40,7 @@ from rwmf.explorer.model import as_files, encode, start
 from rwmf.explorer.questions import FIRST, BadQuestionError, case_of_preset, read
 from rwmf.explorer.workers import BrokenError, BusyError, Workers
 from rwmf.kernel.progress import in_notebook
-from rwmf.motion.records import find
+from rwmf.motion.records import UNIT, find
 
 _PREFIX = "rwmf-explore-"
 
@@ -391,7 +391,7 @@ class _Handler(BaseHTTPRequestHandler):
         name, unit = words.get("name", [""])[0], words.get("unit", [None])[0]
         if "shipped" in words:
             record, path = find(words["shipped"][0])
-            content, name, unit = path.read_bytes(), record.name + path.suffix.lower(), record.unit
+            content, name, unit = path.read_bytes(), record.name + path.suffix.lower(), UNIT
         number = self.server.new_record(content, name)
         try:
             arguments = (number, unit, interval)

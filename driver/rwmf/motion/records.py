@@ -77,7 +77,7 @@ RECORDS = {
     )
 }
 # of the samples of all of them
-_UNIT = "g"
+UNIT = "g"
 
 
 @checked
@@ -389,7 +389,7 @@ def _header(record: Record, source: Path) -> bytes:
         f"source: {record.file} of the Python package {_PACKAGE} "
         f"{importlib.metadata.version(_PACKAGE)}",
         _facts(record, source),
-        f"unit = '{_UNIT}', two columns, samples unchanged",
+        f"unit = '{UNIT}', two columns, samples unchanged",
     ]
     # line ends as in the samples
     end = b"\r\n" if b"\r\n" in source.read_bytes() else b"\n"
@@ -399,12 +399,12 @@ def _header(record: Record, source: Path) -> bytes:
 def _facts(record: Record, source: Path) -> str:
     """Return number of points, interval, peak and checksum of the package's file."""
     content = source.read_bytes()
-    channel = tables.read_record(content, None if record.is_at2 else _UNIT, None)[0]
+    channel = tables.read_record(content, None if record.is_at2 else UNIT, None)[0]
     motion = Motion(channel.values, dt=channel.dt, times=channel.times, unit=channel.unit)
     t, a = motion.times, motion.values
     i = int(np.argmax(np.abs(a)))
     return (
-        f"{a.size} points, dt = {t[1] - t[0]:g} s, peak {abs(a[i]):g} {_UNIT} "
+        f"{a.size} points, dt = {t[1] - t[0]:g} s, peak {abs(a[i]):g} {UNIT} "
         f"at {t[i]:g} s, CRC-32 of the source {zlib.crc32(content):08x}"
     )
 
