@@ -274,6 +274,14 @@ def test_random_scene(number: int, tmp_path: Path) -> None:
         assert peak == pytest.approx(truth[name], rel=3e-8)
 
 
+@pytest.mark.filterwarnings("ignore::rwmf.RwmfWarning")
+def test_round_off_gives_no_order_of_contacts(tmp_path: Path) -> None:
+    """Both conditions of contact are the same for a wall that slides without rocking."""
+    scene_ = base_scene(37, tmp_path)
+    expected = scene_.peaks(1e-9, tmp_path)
+    assert scene_.peaks(1e-12, tmp_path) == pytest.approx(expected, rel=1e-9)
+
+
 CRUSHING = (
     f"&wall h=4.0, b=1.0 /\n&base k_t_over_m_w=2.0e4, xi=0.2, d_y=1.2e-3, strips=16 /\n{PULSE}"
 )
