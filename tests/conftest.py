@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 matplotlib.use("Agg")
-# a shell gives its background jobs a SIGINT that is ignored, and they give it on: tests of
-# interrupts would wait in vain
+# a shell gives its background jobs a SIGINT that is ignored, nohup a SIGHUP, and they give it on:
+# tests of interrupts would wait in vain
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -11,6 +11,7 @@ import pytest
 import rwmf
 from checkout import ROOT
 from rwmf.hosts import FunctionHost, OpenSeesHost, couple
+from rwmf.hosts.partner import CoupledRun
 from rwmf.hosts.si_building import Building
 
 TEXT = (
@@ -40,7 +41,7 @@ def frame(**changes: object) -> FunctionHost:
     return FunctionHost(**(parts | changes))  # type: ignore[arg-type]
 
 
-def error_of(run: rwmf.hosts.CoupledRun, truth: rwmf.Response) -> float:
+def error_of(run: CoupledRun, truth: rwmf.Response) -> float:
     difference = np.interp(truth.time.values, run.t, run.u) - truth.u_s.values
     return float(np.abs(difference).max() / truth.u_s_max)
 

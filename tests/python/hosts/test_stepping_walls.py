@@ -412,7 +412,7 @@ def test_cycles_leave_no_memory(size: int) -> None:
                     wall.restore(snapshot)
                     assert len(wall.events if size == 1 else wall.events.t) == 0
 
-    n = 2000 if size == 1 else 10
+    n = 2000 if size == 1 else 20
     heap, blocks = growth(cycle, n)
     assert heap < n * size
     assert blocks < n

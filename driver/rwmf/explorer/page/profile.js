@@ -18,12 +18,17 @@ export function drawProfile(ctx, motion, ghost, t, left, width, Y) {
       most: most("acceleration") },
   ];
   ctx.font = `${textSize()}px system-ui, sans-serif`;
-  for (const panel of panels) {
+  const fits = panels.every(({ title }) => ctx.measureText(title).width <= half);
+  panels.forEach((panel, i) => {
     panel.X = (value) => panel.x + value / panel.most * (half - 4);
     stroke(ctx, "line", [[panel.x, top], [panel.x, Y(0)], [panel.x + half, Y(0)]], 1);
     ctx.fillStyle = colour("ink");
-    ctx.fillText(panel.title, panel.x, top - 8);
-  }
+    // side by side, or the second one below the first, at the right edge
+    const below = i > 0 || fits ? 0 : textSize() + 3;
+    ctx.textAlign = i > 0 && !fits ? "right" : "left";
+    ctx.fillText(panel.title, i > 0 && !fits ? panel.x + half : panel.x, top - 8 - below);
+    ctx.textAlign = "left";
+  });
   const [drifts, floors] = panels;
   bars(ctx, motion, t, levels, drifts, Y);
   stroke(ctx, "c1", steps(profile.drift, levels, drifts, Y), 1.6);
