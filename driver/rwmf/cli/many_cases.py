@@ -210,7 +210,11 @@ def run_wall(options: argparse.Namespace) -> int:
     """Compare a frame with and without its wall (``rwmf study wall``)."""
     case = Case.from_namelist(options.case)
     with printed_warnings(options.case):
-        records = find_records(options.records, unit=options.unit) if options.records else ()
+        records = (
+            find_records(options.records, unit=options.unit, dt=options.dt)
+            if options.records
+            else ()
+        )
     _check(options, [*case.inputs, *(Path(record.path) for record in records)])
     grid: dict[str, object] = {} if options.gamma is None else {"gamma": options.gamma}
     if options.T_s is not None or "T_s" in case.kernel.axes():
@@ -222,6 +226,7 @@ def run_wall(options: argparse.Namespace) -> int:
             records,
             options.quantities,
             unit=options.unit,
+            dt=options.dt,
             threads=options.threads,
             progress=report,
         )

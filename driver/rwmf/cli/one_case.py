@@ -142,6 +142,7 @@ def run_design(options: argparse.Namespace) -> int:
             left_out=options.left_out,
             designs=options.designs,
             unit=options.unit,
+            dt=options.dt,
             threads=options.threads,
             progress=True,
         )
@@ -207,7 +208,8 @@ def _commands(options: argparse.Namespace, namelists: list[str]) -> list[str]:
     for name in ("records", "left_out"):
         given = getattr(options, name)
         words += [f"--{name.replace('_', '-')}", *given] if given else []
-    words += ["--unit", options.unit] if options.unit else []
+    interval = "" if options.dt is None else f",{options.dt!r}"
+    words += ["--unit", f"{options.unit or ''}{interval}"] if options.unit or interval else []
     words += ["--designs", str(options.designs)] if options.designs else []
     return [shlex.join([*words, "--out", *(namelists or ["design.nml"])])]
 
@@ -222,6 +224,7 @@ def run_gradient(options: argparse.Namespace) -> int:
         records=options.records,
         statistic=options.statistic,
         unit=options.unit,
+        dt=options.dt,
         threads=options.threads,
         progress=True,
     )

@@ -136,3 +136,29 @@ def test_csv_of_k_net(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace("#0.2", "#0.3"))
     with pytest.raises(InputError, match="20 numbers where its header says DurationTime"):
         records.read(path, channel=1)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["gradient", "case.nml", "--parameters", "frame.gamma", "--quantities", "u_s_max_m"],
+        ["study", "wall", "case.nml", "--T_s", "0.5"],
+        ["design", "case.nml", "--vary", "frame.gamma=2:8", "--target", "u_s_max_m=0.6@50",
+         "--cost", "frame.gamma=1", "--left-out", "second.txt", "--out", "design.nml"],
+    ],
+    ids=lambda words: words[0],
+)  # fmt: skip
+def test_the_interval_of_a_column_by_every_command(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without the interval a single column is no record."""
+    monkeypatch.chdir(tmp_path)
+    Path("case.nml").write_text(
+        "&wall h = 2.0, b = 0.5 /\n&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /\n"
+        "&motion kind = 'one_sine', a_max_g = 0.3, T_p = 1.0 /\n&solver t_end = 1.0 /\n"
+    )
+    for name, size in (("first.txt", 0.3), ("second.txt", 0.31)):
+        np.savetxt(name, size * np.sin(0.06 * np.arange(100)))
+    suite = [*words, "--records", "first.txt", "--unit"]
+    assert cli.main([*suite, "g"]) == 2
+    assert cli.main([*suite, "g,0.01"]) == 0
