@@ -375,7 +375,7 @@ _CALLS: dict[str, Callable[[rwmf.Wall], object]] = {
 @functools.cache
 def _long_case() -> rwmf.Case:
     motion = rwmf.Motion(np.sin(3 * _LONG), dt=0.02, unit="m/s2", name="long")
-    return case_of().replace(motion=motion, solver={"rtol": 1e-12})
+    return case_of().replace(motion=motion, solver={"rtol": 1e-12, "method": "adams"})
 
 
 @pytest.mark.parametrize("is_stepped", [False, True])
