@@ -24,19 +24,6 @@ def test_too_many_steps(method: str, tmp_path: Path) -> None:
     assert re.search(r"max_steps.*t = .* s, theta = .*raise max_steps", str(error.value))
 
 
-def test_more_events_than_a_stack_holds(tmp_path: Path) -> None:
-    """Bouncing without loss: all events are kept, though 8 MiB of stack hold 262,144 of them."""
-    bouncing = _ENDLESS | {
-        "frame": None,
-        "cable": None,
-        "initial": {"theta_over_alpha": 1e-8},
-        "solver": {"t_end": 25.0},
-    }
-    run = rwmf.simulate(Hard("events", bouncing, rtol=1e-3).build(tmp_path, "dop853"), dt=1.0)
-    assert run.sizes["event"] > 262_144
-    assert (run["event"].values == "impact").sum() == int(run["impacts"])
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_tolerance_beyond_the_precision(method: str, tmp_path: Path) -> None:
     """Either a result within round-off or an error that names time, state and a remedy."""

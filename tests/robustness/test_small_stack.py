@@ -162,11 +162,26 @@ def _rows(dice: random.Random) -> Attack:
     return Attack({"case.nml": text}, "assert rwmf.simulate(case).sizes['time'] > 100000\n")
 
 
+def _events(dice: random.Random) -> Attack:
+    """Let a wall bounce without loss: all of its impacts are kept."""
+    method = dice.choice(("dop853", "taylor"))
+    text = _WALL.format(h=2.0, b=0.5).replace("0.9", "1.0")
+    text += "&initial theta_over_alpha = 1e-8 /\n"
+    text += f"&solver method = '{method}', t_end = 6.5, rtol = 1e-3 /\n&output dt = 1.0 /\n"
+    lines = f"""
+run = rwmf.simulate(case)
+assert run.sizes["event"] > {STACK // 8}
+assert (run["event"].values == "impact").sum() == int(run["impacts"])
+"""
+    return Attack({"case.nml": text}, lines)
+
+
 KINDS: Mapping[str, Callable[[random.Random], Attack]] = {
     "samples": _samples,
     "storeys": _storeys,
     "lists": _lists,
     "rows": _rows,
+    "events": _events,
 }
 
 

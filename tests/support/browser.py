@@ -49,7 +49,7 @@ def launch(kind: BrowserType) -> Browser:
     Browser
         The browser, to be closed by the caller.
     """
-    program = shutil.which("chromium")
+    program = shutil.which("chromium-headless-shell")
     if program is None:
         pytest.skip("chromium is not installed")
     arguments = ["--disable-dev-shm-usage"]

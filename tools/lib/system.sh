@@ -95,18 +95,18 @@ install_system_packages() {
    install_packages "${packages[@]}"
 }
 
-# What only tests use: they are skipped without it, so that its lack stops nothing. A browser of half
-# a gigabyte is installed only where no test may be skipped.
+# What only tests use: they are skipped without it, so that its lack stops nothing. A browser of a
+# quarter of a gigabyte is installed only where no test may be skipped.
 install_test_packages() {
    local package missing=()
    for package in valgrind strace; do
       command -v "$package" >/dev/null || missing+=("$package")
    done
-   if ! command -v chromium >/dev/null; then
+   if ! command -v chromium-headless-shell >/dev/null; then
       if [[ "${RWMF_MUST_RUN:-}" == 1 ]]; then
-         missing+=(chromium)
+         missing+=(chromium-headless-shell)
       else
-         say 'no chromium: tests in a browser are skipped (RWMF_MUST_RUN=1 installs it)'
+         say 'no chromium-headless-shell: tests in a browser are skipped (RWMF_MUST_RUN=1 installs it)'
       fi
    fi
    [[ ${#missing[@]} -gt 0 ]] || return 0

@@ -119,11 +119,12 @@ def _stream(
 def _submit(executor: Executor, work: Callable[[Task], Chunk], task: Task) -> Future[Chunk]:
     try:
         return executor.submit(work, task)
-    except RuntimeError as error:
+    except (RuntimeError, OSError) as error:
+        # OSError: the workers ended during the call, which then writes to a closed pipe
         raise _refusal(error) from error
 
 
-def _refusal(error: RuntimeError) -> InputError:
+def _refusal(error: Exception) -> InputError:
     """Return the error for an executor whose workers have ended or that is shut down."""
     cause = " ".join(str(error).split()).partition(". ")[0]
     return InputError(
