@@ -155,6 +155,8 @@ module rwmf_model_equation
       !! number of its vertical element; 0 for a spring between ground and frame
       real(wp) :: share = 0
       !! share of the frame's stiffness [-]
+      real(wp) :: ends(2, -1:1) = 0
+      !! elongations of an element by side where it turns before `angle_limit`, and at that limit [m]
    end type sprung_t
 
    !> Range of rotations in which the active branches are valid on a side.

@@ -66,16 +66,16 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
 
-      associate (a => stroke%arm(side), z => stroke%height)
+      associate (a => stroke%arm(side), z => stroke%height, s => sin(phi/2), c => cos(phi/2))
          select case (stroke%kind)
          case (along_axis)
             arm = a
          case (along_line)
-            arm = a*(a*sin(phi) + z*cos(phi))/(z + stroke_at(stroke, side, phi))
+            arm = a*(2*a*s*c + z*(1 - 2*s**2))/sqrt(z**2 + 4*a*(a*s**2 + z*s*c))
          case (rising)
             arm = a*cos(phi) - z*sin(phi)
          case default
-            arm = a*cos(phi/2)
+            arm = a*c
          end select
       end associate
    end function arm_at
@@ -127,7 +127,7 @@ contains
       !! stroke [m]
       logical, intent(in) :: is_beyond
       !! beyond `turning_angle`
-      real(wp) :: sine, shift, arm
+      real(wp) :: sine, shift, arm, change
       integer :: i
 
       associate (a => stroke%arm(side), z => stroke%height)
@@ -156,8 +156,10 @@ contains
       ! restores the digits that the difference of two angles has lost
       do i = 1, 2
          arm = arm_at(stroke, side, phi)
-         if (abs(arm) > sqrt(epsilon(arm))*stroke%height) phi = phi + (x - stroke_at(stroke, &
-            side, phi))/arm
+         if (abs(arm) <= sqrt(epsilon(arm))*stroke%height) return
+         change = (x - stroke_at(stroke, side, phi))/arm
+         phi = phi + change
+         if (abs(change) <= sqrt(epsilon(phi))*abs(phi)) return
       end do
    end function angle_of_stroke
 

@@ -50,7 +50,7 @@ contains
       real(wp), intent(in) :: angle_limit
       !! largest |theta| of the run [rad]
       type(equation_t), intent(inout) :: equation
-      real(wp) :: angle
+      real(wp) :: angle, turn
       integer :: i, side
 
       if (.not. allocated(equation%springs)) allocate (equation%springs(0))
@@ -60,11 +60,14 @@ contains
       angle = huge(angle)
       do i = 1, size(equation%springs)
          if (equation%springs(i)%element == 0) cycle
-         do side = -1, 1, 2
-            angle = min(angle, &
-               turning_angle(equation%elements(equation%springs(i)%element)%stroke, &
-               side))
-         end do
+         associate (stroke => equation%elements(equation%springs(i)%element)%stroke)
+            do side = -1, 1, 2
+               turn = min(turning_angle(stroke, side), angle_limit)
+               angle = min(angle, turn)
+               equation%springs(i)%ends(:, side) = [stroke_at(stroke, side, turn), &
+                  stroke_at(stroke, side, angle_limit)]
+            end do
+         end associate
       end do
       if (angle < angle_limit) equation%state%is_beyond = spread(.false., 1, size(equation%springs))
       call reset_springs(equation%model_t, equation%state)
@@ -305,14 +308,35 @@ contains
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: number
       !! number of the spring
-      real(wp) :: phi(2)
+      real(wp) :: reach(2)
 
       growth = state%side
       if (model%springs(number)%element == 0) return
-      phi = monotone_range(model, state, number)
-      growth = merge(1, -1, elongation_of(model, state%side, number, phi(2)) &
-         > elongation_of(model, state%side, number, phi(1)))
+      reach = monotone_reach(model, state, number)
+      growth = merge(1, -1, reach(2) > reach(1))
    end function growth
+
+   !> Elongations at the ends of the monotone range [m].
+   pure function monotone_reach(model, state, number) result(reach)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
+      integer, intent(in) :: number
+      !! number of the spring
+      real(wp) :: reach(2)
+      real(wp) :: phi(2)
+
+      if (model%springs(number)%element == 0 .or. .not. model%has_impacts) then
+         phi = monotone_range(model, state, number)
+         reach = [elongation_of(model, state%side, number, phi(1)), elongation_of(model, &
+            state%side, number, phi(2))]
+         return
+      end if
+      reach = model%springs(number)%ends(:, state%side)
+      if (allocated(state%is_beyond)) then
+         if (state%is_beyond(number)) return
+      end if
+      reach = [0.0_wp, reach(1)]
+   end function monotone_reach
 
    !> Elongation of a spring at a rotation on a side [m].
    pure real(wp) function elongation_of(model, side, number, phi) result(x)
@@ -351,9 +375,7 @@ contains
       theta = x
       if (.not. model%has_wall) return
       associate (side => state%side)
-         phi = monotone_range(model, state, number)
-         reach = [elongation_of(model, side, number, phi(1)), elongation_of(model, side, number, &
-            phi(2))]
+         reach = monotone_reach(model, state, number)
          direction = merge(1, -1, reach(2) > reach(1))
          theta = direction*side*huge(x)
          if (x >= maxval(reach)) return
@@ -361,6 +383,7 @@ contains
          if (x <= minval(reach)) return
          theta = side*angle_of(model, state, number, x)
          if (abs(theta) < huge(x)) return
+         phi = monotone_range(model, state, number)
          bracket = bracket_between(phi(1), phi(2))
          do while (bracket%is_open)
             call narrow(bracket, direction*(elongation_of(model, side, number, bracket%middle) &
