@@ -3,6 +3,7 @@
     .venv/bin/python bench/tables.py NAME [...]
 
 base          time of runs on a base that gives over the rigid one (developer/decisions.md, 37)
+elements      time of ordinates with vertical elements and two walls (theory/elements.md)
 fragility     share of 1,000 trials whose 95 % band holds the true value (developer/bench.md)
 hosts         time of walls that step with a host in Python (howto/stepping-python.md)
 pinned        share of periods at which a wall amplifies the frame's motion (reference/effects.md)
@@ -59,6 +60,39 @@ def base() -> Rows:
     for name in bases:
         cells = (x for found in columns for x in (1e3 * found[name], found[name] / found["rigid"]))
         yield name, *map("{:.1f}".format, cells)
+
+
+def elements() -> Rows:
+    """Take 64 periods under El Centro, in turn; fastest of 9 processor times in one thread."""
+    cable = CABLE | {"law": "truss"}
+    fuse = {"eta_y": 0.3, "stroke_y": 0.005, "hardening": 0.02}
+    yields = {"hardening": 0.02, "eta_y": 1.5}
+    half = {"eta_0": 0.5, "eta_alpha": 2.5, "offset": [-0.2, 0.2]}
+    four = {"fuse": fuse | {"offset": [-0.5, -0.2, 0.2, 0.5], "eta_y": 0.15}}
+    scenes: dict[str, tuple[str, dict[str, Any]]] = {
+        "one wall": ("one wall", {}),
+        "two walls, UFPs between them": (
+            "one wall", {"wall": WALL | {"walls": 2}, "coupling": fuse}
+        ),
+        "tendon, two fuses": ("tendon, two fuses", {"fuse": fuse}),
+        "two tendons, four fuses": ("tendon, two fuses", {"cable": cable | half} | four),
+        "the same, tendons that yield": (
+            "tendon, two fuses", {"cable": cable | yields | half | {"eta_y": 0.75}} | four
+        ),
+    }  # fmt: skip
+    calls = {}
+    for name, (_, more) in scenes.items():
+        groups = {
+            "wall": WALL, "frame": {"gamma": 5.0, "xi_s": 0.05, "T_s": 1.0}, "motion": RECORD,
+            "cable": cable, "model": {"formulation": "exact"}, "solver": {"rtol": 1e-7},
+        }  # fmt: skip
+        how = {"T_s": np.linspace(0.1, 3.0, 64), "quantities": ["u_s_max_m"], "threads": 1}
+        calls[name] = partial(spent, partial(rwmf.spectrum, rwmf.Case(**groups | more), **how))
+    times = least(calls, 9)
+    yield "scene", "an ordinate (us)", "over"
+    for name, (base, _) in scenes.items():
+        ratio = f"{times[name] / times[base]:.2f} ({base})" if name != base else ""
+        yield name, f"{1e6 * times[name] / 64:.0f}", ratio
 
 
 def fragility() -> Rows:
@@ -282,7 +316,7 @@ def verification() -> Rows:
     yield words, f"{truth:.6f}", f"{found:.6f}", f"{abs(found / truth - 1):.0e}"
 
 
-TABLES = (base, fragility, hosts, pinned, start_up, suite, tendons, verification)
+TABLES = (base, elements, fragility, hosts, pinned, start_up, suite, tendons, verification)
 
 if __name__ == "__main__":
     for name in sys.argv[1:]:

@@ -48,6 +48,8 @@ module rwmf_model_scene
       !! index of the first state of floors on link springs beside a bending wall; 0 for none
       integer :: acts = elsewhere
       !! path of its force to the wall
+      logical :: has_springs = .false.
+      !! its coefficients change with the branches of springs with memory
    end type term_t
 
    !> Loops of a scene in their order.

@@ -51,7 +51,7 @@ contains
 
       if (.not. allocated(equation%elements)) return
       associate (kind => equation%elements%stroke%kind, scene => equation%scene, &
-         is_nonlinear => equation%elements%force_1 > 0)
+         is_nonlinear => equation%elements%force_1 > 0, is_spring => equation%elements%spring > 0)
          path = in_cable
          if (any(equation%elements%group == of_cable .and. (abs(equation%elements%offset) > 0 &
             .or. equation%elements%stroke%height < (1 - 1.0e-9_wp) &
@@ -59,14 +59,16 @@ contains
             path = elsewhere
          end if
          if (any(kind == along_axis)) call add_term(scene, term_t(axis_term, &
-            n_coef=axis_coefficients, acts=path))
+            n_coef=axis_coefficients, acts=path, &
+            has_springs=any(kind == along_axis .and. is_spring)))
          if (any(kind == along_line)) call add_term(scene, term_t(line_term, &
             n=count(kind == along_line), n_coef=line_coefficients*count(kind == along_line), &
-            acts=path))
+            acts=path, has_springs=any(kind == along_line .and. is_spring)))
          if (any(kind == along_chord .and. .not. is_nonlinear)) call add_term(scene, &
-            term_t(chord_term, n_coef=chord_coefficients, acts=under_corner))
+            term_t(chord_term, n_coef=chord_coefficients, acts=under_corner, &
+            has_springs=any(kind == along_chord .and. is_spring)))
          if (any(kind == rising)) call add_term(scene, term_t(rise_term, &
-            n_coef=rise_coefficients, acts=elsewhere))
+            n_coef=rise_coefficients, has_springs=any(kind == rising .and. is_spring)))
       end associate
    end subroutine add_element_terms
 

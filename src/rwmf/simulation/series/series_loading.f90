@@ -157,6 +157,8 @@ contains
             lanes%sine_link(i, m) = geometry%sine_link(2*m - 3)
             lanes%sine_lever(i, m) = geometry%sine_lever(2*m - 3)
          end do
+         lanes%cable(i, :) = 0
+         lanes%cable_slope(i, :) = 0
          lanes%excited(i) = equation%floors%excited_mass_ratio
          lanes%weight_share(i) = equation%uplift%weight_share
          lanes%has_straight_cable = any(equation%scene%terms%effect == line_term)
@@ -182,33 +184,33 @@ contains
             end associate
          end do
       end associate
-      call load_branches(equation, i, batch)
+      call load_branches(equation, i, batch, has_all=.true.)
    end subroutine load_coefficients
 
    !> Load the coefficients that change with the branches of the springs, for both sides.
-   subroutine load_branches(equation, i, batch)
+   subroutine load_branches(equation, i, batch, has_all)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
-      integer :: k, m, side
+      logical, intent(in) :: has_all
+      !! load terms without springs, too
+      integer :: j, k, m, side
 
       associate (lanes => batch%lanes, p => equation%p, state => equation%state)
          lanes%stiffness(i) = state%frame_slope
          lanes%offset(i) = state%frame_offset/p%R
          do m = left, right
-            lanes%cable(i, m) = 0
-            lanes%cable_slope(i, m) = 0
             lanes%uplift(i, m) = state%uplift_acceleration(2*m - 3)
          end do
          lanes%gain(i) = inverse_inertia(equation)
          do k = 1, size(equation%scene%terms)
+            if (equation%scene%terms(k)%effect == p_delta_effect) lanes%stiffness(i) &
+               = lanes%stiffness(i) - state%coef(1, equation%scene%terms(k)%coef)/lanes%mass(i)
+            if (.not. (has_all .or. equation%scene%terms(k)%has_springs)) cycle
             do m = left, right
                side = 2*m - 3
                select case (equation%scene%terms(k)%effect)
-               case (p_delta_effect)
-                  if (m == left) lanes%stiffness(i) = lanes%stiffness(i) - state%coef(1, &
-                     equation%scene%terms(k)%coef)/lanes%mass(i)
                case (axis_term)
                   associate (row => axis_row(equation%elements, state%springs, side, p%R))
                      lanes%cable(i, m) = row(1)
@@ -216,8 +218,10 @@ contains
                   end associate
                case (line_term)
                   associate (rows => line_rows(equation%elements, state%springs, side, p%R))
-                     lanes%straight(i, :, m, :size(rows)/line_coefficients) = reshape(rows, &
-                        [line_coefficients, size(rows)/line_coefficients])
+                     do j = 1, equation%scene%terms(k)%n
+                        lanes%straight(i, :, m, j) = rows(line_coefficients*(j - 1) &
+                           + 1:line_coefficients*j)
+                     end do
                   end associate
                case (chord_term)
                   associate (row => chord_row(equation%elements, state%springs, side, p%R))
@@ -286,7 +290,7 @@ contains
          ! the strokes that have turned on the present side
          if (allocated(state%is_beyond)) has_turned = state%is_beyond
          call find_uplift_acceleration(equation%model_t, state, lane%hybrid%y)
-         call load_branches(equation, i, batch)
+         call load_branches(equation, i, batch, has_all=.false.)
          side = state%side
          ! the present side is the last one
          do k = 1, 2
