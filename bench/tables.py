@@ -69,15 +69,20 @@ def elements() -> Rows:
     yields = {"hardening": 0.02, "eta_y": 1.5}
     half = {"eta_0": 0.5, "eta_alpha": 2.5, "offset": [-0.2, 0.2]}
     four = {"fuse": fuse | {"offset": [-0.5, -0.2, 0.2, 0.5], "eta_y": 0.15}}
+    pair = {"wall": WALL | {"walls": 2}, "coupling": fuse}
     scenes: dict[str, tuple[str, dict[str, Any]]] = {
         "one wall": ("one wall", {}),
-        "two walls, UFPs between them": (
-            "one wall", {"wall": WALL | {"walls": 2}, "coupling": fuse}
-        ),
+        "two walls, UFPs between them": ("one wall", pair),
+        "one wall, e by momentum": ("one wall, e by momentum", {"impact": COUPLED}),
+        "two walls, UFPs, e by momentum": ("one wall, e by momentum", pair | {"impact": COUPLED}),
         "tendon, two fuses": ("tendon, two fuses", {"fuse": fuse}),
         "two tendons, four fuses": ("tendon, two fuses", {"cable": cable | half} | four),
-        "the same, tendons that yield": (
-            "tendon, two fuses", {"cable": cable | yields | half | {"eta_y": 0.75}} | four
+        "tendon that yields, two fuses": (
+            "tendon that yields, two fuses", {"cable": cable | yields, "fuse": fuse}
+        ),
+        "two that yield, four fuses": (
+            "tendon that yields, two fuses",
+            {"cable": cable | yields | half | {"eta_y": 0.75}} | four,
         ),
     }  # fmt: skip
     calls = {}
@@ -85,6 +90,7 @@ def elements() -> Rows:
         groups = {
             "wall": WALL, "frame": {"gamma": 5.0, "xi_s": 0.05, "T_s": 1.0}, "motion": RECORD,
             "cable": cable, "model": {"formulation": "exact"}, "solver": {"rtol": 1e-7},
+            "impact": {"e": 0.9},
         }  # fmt: skip
         how = {"T_s": np.linspace(0.1, 3.0, 64), "quantities": ["u_s_max_m"], "threads": 1}
         calls[name] = partial(spent, partial(rwmf.spectrum, rwmf.Case(**groups | more), **how))

@@ -156,7 +156,7 @@ module rwmf_model_equation
       real(wp) :: share = 0
       !! share of the frame's stiffness [-]
       real(wp) :: ends(2, -1:1) = 0
-      !! elongations of an element by side where it turns before `angle_limit`, and at that limit [m]
+      !! elongations of an element at its turn before `angle_limit` and at that limit, by side [m]
    end type sprung_t
 
    !> Range of rotations in which the active branches are valid on a side.

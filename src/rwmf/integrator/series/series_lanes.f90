@@ -116,6 +116,8 @@ module rwmf_integrator_series_series_lanes
       logical :: has_rises = .false.
       logical :: has_fuses = .false.
       logical :: has_inerter = .false.
+      logical :: has_second_cable = .false.
+      !! it has two straight cables
       logical :: has_straight_cable = .false.
       logical :: has_curves = .false.
       !! the motion is a pulse

@@ -17,7 +17,8 @@ module rwmf_integrator_series_series_loops
 #endif
    integer, parameter :: order = SERIES_ORDER
    !! of the series
-   integer, parameter :: plain = 0, with_effects = 1, with_curves = 2, with_rises = 3
+   integer, parameter :: plain = 0, with_effects = 1, with_curves = 2, with_rises = 3, &
+      with_second_cable = 4
    !! terms of the equation of motion
 
 contains
@@ -36,6 +37,8 @@ contains
          call expand(plain, lanes)
       else if (lanes%has_curves) then
          call expand(with_curves, lanes)
+      else if (lanes%has_second_cable) then
+         call expand(with_second_cable, lanes)
       else if (lanes%has_rises) then
          call expand(with_rises, lanes)
       else
@@ -49,7 +52,8 @@ contains
    !> prevent vectorisation.
    pure subroutine expand(terms, lanes)
       integer, intent(in), value :: terms
-      !! `plain`, `with_effects`, effects `with_curves` of the ground motion or `with_rises`
+      !! `plain`, `with_effects`, effects `with_curves` of the ground motion or `with_rises`, these
+      !! `with_second_cable`
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), dimension(0:order) :: p, v, sp, cp, sv, hc, stretch, arm, lever, force, &
          stretch_2, arm_2
@@ -63,11 +67,11 @@ contains
 
       is_plain = terms == plain
       has_curves = terms == with_curves
-      has_rises = terms == with_rises
+      has_rises = terms == with_rises .or. terms == with_second_cable
       has_fuses = lanes%has_fuses .and. .not. is_plain
       has_inerter = lanes%has_inerter .and. .not. is_plain
       is_straight = lanes%has_straight_cable .and. .not. is_plain
-      has_second = is_straight .and. has_rises
+      has_second = is_straight .and. terms == with_second_cable
       !$omp simd private(p, v, sp, cp, sv, hc, stretch, arm, lever, force, h, rest, hh, side, ca) &
       !$omp& private(sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, cable, slope, fuse, half) &
       !$omp& private(corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, inverse, j, jv, q) &

@@ -161,8 +161,11 @@ contains
          lanes%cable_slope(i, :) = 0
          lanes%excited(i) = equation%floors%excited_mass_ratio
          lanes%weight_share(i) = equation%uplift%weight_share
-         lanes%has_straight_cable = any(equation%scene%terms%effect == line_term)
-         lanes%has_fuses = equation%may_hold
+         associate (terms => equation%scene%terms)
+            lanes%has_straight_cable = any(terms%effect == line_term)
+            lanes%has_second_cable = any(terms%effect == line_term .and. terms%n > 1)
+            lanes%has_fuses = equation%may_hold .and. any(terms%effect == chord_term)
+         end associate
          lanes%has_rises = needs_rises(equation)
          lanes%has_branches = equation%has_bilinear_springs
          lanes%has_curves = .not. is_piecewise_linear(equation%motion)
