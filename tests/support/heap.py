@@ -43,11 +43,13 @@ def growth(cycle: Callable[[int], None], n: int) -> tuple[int, int]:
         Growth of the number of blocks of Python.
     """
     cycle(max(10, n // 10))
-    rounds = []
-    # a leak grows in each round, a cache in one of them only
-    for _ in range(2):
+    heap = blocks = sys.maxsize
+    # a leak grows in each round, a cache in some of them only
+    for _ in range(5):
         before = _in_use()
         cycle(n)
         after = _in_use()
-        rounds.append((after[0] - before[0], after[1] - before[1]))
-    return min(heap for heap, _ in rounds), min(blocks for _, blocks in rounds)
+        heap, blocks = min(heap, after[0] - before[0]), min(blocks, after[1] - before[1])
+        if heap <= 0 and blocks <= 1:
+            break
+    return heap, blocks
