@@ -4,6 +4,7 @@
 
 base          time of runs on a base that gives over the rigid one (developer/decisions.md, 37)
 elements      time of ordinates with vertical elements and two walls (theory/elements.md)
+explorer      times until the pictures of the explorer are drawn, chromium (developer/bench.md)
 fragility     share of 1,000 trials whose 95 % band holds the true value (developer/bench.md)
 hosts         time of walls that step with a host in Python (howto/stepping-python.md)
 pinned        share of periods at which a wall amplifies the frame's motion (reference/effects.md)
@@ -16,6 +17,7 @@ verification  README.md
 import csv
 import math
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -229,6 +231,36 @@ def start_up() -> Rows:
         yield name, f"{time_of:.2f}", f"{time_of / seconds['`import xarray`']:.2f}"
 
 
+def explorer() -> Rows:
+    """Start the explorer, open its page and press a key on a slider of each example."""
+    from browser import chromium
+    from explorer_page import DESK, Opened
+
+    yield "wait", "seconds"
+    begin = time.perf_counter()
+    words = [sys.executable, "-u", "-m", "rwmf", "explore", "--no-browser"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as program:
+        (address,) = re.findall(r"http://\S+", program.stdout.readline())
+        yield "`rwmf explore`, to its address", f"{time.perf_counter() - begin:.2f}"
+        with chromium() as browser:
+            context = browser.new_context(viewport=DESK, reduced_motion="reduce")
+            begin = time.perf_counter()
+            opened = Opened(context, address)
+            yield "its page, to all pictures", f"{time.perf_counter() - begin:.2f}"
+            slider = opened.slider("motion.a_max_g")
+
+            def move() -> None:
+                slider.press("ArrowRight")
+                opened.settle()
+
+            for name in ("block", "wall_and_frame", "six_storeys", "fig12_one_sine"):
+                opened.page.select_option("#preset", name)
+                opened.settle()
+                (seconds,) = least({name: partial(spent, move, time.perf_counter)}).values()
+                yield f"a slider of `{name}`, to all pictures", f"{seconds:.2f}"
+        program.terminate()
+
+
 def suite() -> Rows:
     """Sweep periods, mass ratios and widths under a suite."""
     case = rwmf.Case.from_namelist(ROOT / "inputs" / "fig13_elcentro_slender_wall.nml").replace(
@@ -322,7 +354,18 @@ def verification() -> Rows:
     yield words, f"{truth:.6f}", f"{found:.6f}", f"{abs(found / truth - 1):.0e}"
 
 
-TABLES = (base, elements, fragility, hosts, pinned, start_up, suite, tendons, verification)
+TABLES = (
+    base,
+    elements,
+    explorer,
+    fragility,
+    hosts,
+    pinned,
+    start_up,
+    suite,
+    tendons,
+    verification,
+)
 
 if __name__ == "__main__":
     for name in sys.argv[1:]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
+import matplotlib.pyplot as plt
 import pytest
 from browser import chromium
 from checkout import BATCH, Runner, run_command, run_words
@@ -36,6 +37,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     # a process of pytest-xdist: otherwise the last one works alone on a long file
     if hasattr(config, "workerinput"):
         items.sort(key=lambda item: -len(slow.get(item.path, ())))
+
+
+@pytest.fixture(autouse=True)
+def _closed_figures() -> Iterator[None]:
+    """Close the figures of a test: a process that collects them runs out of memory."""
+    yield
+    plt.close("all")
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -75,18 +76,30 @@ def claims_page(of: Responses) -> str:
         found = [row[0] for row in rows if row[2].startswith(beginnings)]
         if len(found) != len(beginnings):
             raise ValueError(f"claims that begin with {beginnings}: found {found}")
-        return ("claim " if len(found) == 1 else "claims ") + ", ".join(found)
+        return _listed(found)
 
     return _fill(
         "claims.md",
         count=_table(("verdict", published, exact), counts),
         claims=_table(heads, rows),
         benefit=_benefit_table(of),
+        **{f"of_{n}": _listed(row[0] for row in rows if _shows(row[1], n)) for n in range(4, 14)},
         fig04=numbers("Displacement agrees", "Eq. (15) is a global"),
         assumed=numbers("A restitution of 0.9"),
         dissipates=numbers("The wall dissipates energy"),
         el_centro=numbers("T_s = 0.6 to 1.5 s: the wall amplifies", "T_s > 1.5 s: only gamma"),
     )
+
+
+def _listed(numbers: Iterable[str]) -> str:
+    """Name claims by their numbers."""
+    found = list(numbers)
+    return ("claim " if len(found) == 1 else "claims ") + ", ".join(found)
+
+
+def _shows(place: str, figure: int) -> bool:
+    """Tell whether a place in the paper, such as 'Sec. 4, Figs 5, 6', is that figure."""
+    return str(figure) in re.findall(r"\d+", place.partition("Fig")[2])
 
 
 def _benefit_table(of: Responses) -> str:

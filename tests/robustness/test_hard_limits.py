@@ -58,7 +58,7 @@ def test_a_history_ends_with_the_motion(tmp_path: Path, scene: str, end: str, me
     (tmp_path / "case.nml").write_text(text)
     done = run_words([BATCH, "case.nml"], tmp_path)
     assert done.returncode == 0
-    words = f"the history ends at t = {t_end} s, when the"
+    words = f"the history ends at t = {float(f'{t_end:.4g}')} s, when the"
     assert words in done.stderr
     assert any(
         words in warning and end in warning for warning in result.attrs["warnings"].splitlines()

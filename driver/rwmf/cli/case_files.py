@@ -12,7 +12,7 @@ from rwmf.case import Case
 from rwmf.case.group import Group
 from rwmf.case.json_schema import make_schema
 from rwmf.cli.output import print_json, print_written
-from rwmf.cli.words import number, whole
+from rwmf.cli.words import not_negative, number, whole
 from rwmf.errors import InputError
 from rwmf.kernel import files
 
@@ -91,7 +91,7 @@ _QUESTIONS: tuple[tuple[str, str, float, Callable[[str], float]], ...] = (
     ("storeys", "How many storeys?", 6, whole(1, 100)),
     ("mass", "Mass of a floor in kg?", 150e3, number(above=0)),
     ("period", "First period of the frame alone in s?", 1.0, number(above=0)),
-    ("width", "Width of the wall in m (0: no wall)?", 4.0, number(above=-1e-9)),
+    ("width", "Width of the wall in m (0: no wall)?", 4.0, not_negative),
 )
 _HEIGHT = 3.2
 _BUILDING = """\

@@ -125,7 +125,7 @@ new: one case_files.run_new
    --storeys N | whole 1 100 | number of storeys (6)
    --mass M | number 0 inf | mass of each floor in kg (150e3)
    --period S | number 0 inf | first period of the frame alone in s (1.0)
-   --width W | number -1e-9 inf | width of the wall in m, 0 for none (4.0)
+   --width W | not_negative | width of the wall in m, 0 for none (4.0)
    --out CASE.nml | written_file, = case.nml | file to write
    @force
 

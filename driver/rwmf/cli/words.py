@@ -117,6 +117,15 @@ def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str],
     return read
 
 
+@_must_be("a finite number >= 0")
+def not_negative(word: str) -> float:
+    """Read a number that may be zero."""
+    value = number()(word)
+    if value < 0:
+        raise ValueError
+    return value
+
+
 def whole(lowest: int, highest: int) -> Callable[[str], int]:
     """Make the type of an option with a whole number."""
 

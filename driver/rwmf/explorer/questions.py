@@ -193,7 +193,7 @@ PRESETS = (
     Preset(
         "six_storeys",
         "Six storeys",
-        "Six storeys in kg and N yield beside a wall with twelve strands and two fuses.",
+        "Six storeys in kg and N yield beside a bending wall with twelve strands and two fuses.",
     ),
     Preset(
         "fig12_one_sine",

@@ -187,21 +187,23 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
         Returns
         -------
         pandas.DataFrame
-            Over the time [s]. A quantity of every storey or floor has a column for each:
-            ``storey_1_drift``. The attribute ``units`` maps the columns to their units.
+            Over the time [s], or over the steps of a static curve. A quantity of every storey or
+            floor has a column for each: ``storey_1_drift``. The attribute ``units`` maps the
+            columns to their units.
 
         Raises
         ------
         InputError
             When the dataset has no history.
         """
-        if "time" not in self.dims:
+        over = "step" if "step" in self.dims else "time"
+        if over not in self.dims:
             raise InputError(
                 "table: no history: simulate with an interval, simulate(case, dt=0.01)"
             )
         columns, units = {}, {}
         for name, values in self.data_vars.items():
-            if values.dims[:1] != ("time",):
+            if values.dims[:1] != (over,):
                 continue
             parts = {str(name): values}
             for level in values.dims[1:]:
@@ -214,12 +216,12 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
             for column, part in parts.items():
                 columns[column] = part.values
                 units[column] = str(values.attrs.get("units", ""))
-        found = pd.DataFrame(columns, index=pd.Index(self["time"].values, name="time"))
+        found = pd.DataFrame(columns, index=pd.Index(self[over].values, name=over))
         found.attrs["units"] = units
         return found.dropna(axis="columns", how="all")
 
     def to_dataframe(self, dim_order: Sequence[Hashable] | None = None) -> pd.DataFrame:
-        """Convert as xarray does, a history without its events; see `table`.
+        """Convert as xarray does, a history without events, a curve without marks; see `table`.
 
         Parameters
         ----------
@@ -231,13 +233,13 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
         pandas.DataFrame
             A row for each combination of time and storey.
         """
-        has_both = {"time", "event"} <= set(self.dims)
-        kept = self.drop_dims("event") if has_both else self
-        return xr.Dataset.to_dataframe(kept, dim_order)
+        beside = {"time": "event", "step": "mark"}
+        others = [other for over, other in beside.items() if {over, other} <= set(self.dims)]
+        return xr.Dataset.to_dataframe(self.drop_dims(others), dim_order)
 
     @property
     def plot(self) -> Plot:  # type: ignore[override]
-        """Draw the history: ``response.plot()``; methods of xarray: ``response.plot.scatter``."""
+        """Draw the history or curve, ``response.plot()``; methods of xarray: ``plot.scatter``."""
         return Plot(self)
 
     def _repr_html_(self) -> str:
@@ -255,7 +257,11 @@ class Plot(DatasetPlotAccessor):
     """Drawing of a response."""
 
     def __call__(self, *args: Any, **further: Any) -> Panels:  # type: ignore[override]  # noqa: ANN401 (as the function)
-        """Draw the history with the arguments of `rwmf.plot.history` after the dataset."""
+        """Draw with the further arguments of `rwmf.plot.history`, or of `rwmf.plot.pushover`."""
+        if "step" in self._ds.dims:
+            from rwmf.figures.results import pushover
+
+            return np.array([pushover(self._ds, *args, **further)])
         from rwmf.figures.histories import history
 
         return history(self._ds, *args, **further)

@@ -2,7 +2,7 @@
 module rwmf_problem_usual_ranges
    use rwmf_core_kinds, only: wp
    use rwmf_problem_group_values, only: group_values_t, has_group, key_place, key_values_t
-   use rwmf_text_strings, only: real_to_text
+   use rwmf_text_strings, only: real_to_text, rounded_text
    implicit none
    private
 
@@ -69,6 +69,7 @@ contains
       !! name of the key
       real(wp), intent(in) :: number
       !! [unit of the key]
+      character(25) :: shown_number
       integer :: i, place
 
       text = ''
@@ -76,13 +77,17 @@ contains
       if (place == 0) return
       associate (row => values%keys(place))
          if (is_usual(row, number)) return
-         text = '&'//trim(row%group)//' '//trim(row%key)//' = '//trim(with_unit(number, row%unit)) &
+         ! a given number as the file has it, a derived one rounded
+         shown_number = merge(rounded_text(number), real_to_text(number), row%source > 0)
+         text = '&'//trim(row%group)//' '//trim(row%key)//' = ' &
+            //trim(with_unit(shown_number, row%unit)) &
             //' is outside the range of real buildings, '//trim(real_to_text(row%usual(1))) &
-            //' to '//with_unit(row%usual(2), row%unit)
+            //' to '//with_unit(real_to_text(row%usual(2)), row%unit)
          do i = 1, size(slips)
             if (slips(i)%unit /= row%unit .or. .not. is_usual(row, number*slips(i)%factor)) cycle
-            text = trim(text)//': '//trim(real_to_text(number))//' '//trim(slips(i)%meant) &
-               //' would be '//with_unit(number*slips(i)%factor, row%unit)
+            text = trim(text)//': '//trim(shown_number)//' '//trim(slips(i)%meant) &
+               //' would be ' &
+               //with_unit(rounded_text(number*slips(i)%factor), row%unit)
             return
          end do
       end associate
@@ -103,15 +108,15 @@ contains
 
       text = ''
       if (peak < usual_peak(1) .or. peak > usual_peak(2)) then
-         text = 'peak of '//trim(rounded(peak))//' g is outside the range of records, ' &
+         text = 'peak of '//trim(rounded_text(peak))//' g is outside the range of records, ' &
             //trim(real_to_text(usual_peak(1)))//' to '//trim(real_to_text(usual_peak(2))) &
             //' g: check the unit'
       end if
       if (interval > longest_interval*(1 + round_off)) text = joined(text, 'interval of ' &
-         //trim(rounded(interval))//' s exceeds '//trim(real_to_text(longest_interval)) &
+         //trim(rounded_text(interval))//' s exceeds '//trim(real_to_text(longest_interval)) &
          //' s: check dt')
       if (duration > longest_duration*(1 + round_off)) text = joined(text, 'duration of ' &
-         //trim(rounded(duration))//' s exceeds '//trim(real_to_text(longest_duration)) &
+         //trim(rounded_text(duration))//' s exceeds '//trim(real_to_text(longest_duration)) &
          //' s: check dt')
    end function unusual_record
 
@@ -125,24 +130,13 @@ contains
       if (first /= '') joined = trim(first)//'; '//second
    end function joined
 
-   !> Number >= 0 with four digits.
-   pure character(25) function rounded(x)
-      real(wp), intent(in) :: x
-      real(wp) :: unit
-
-      rounded = '0'
-      if (.not. x > 0) return
-      unit = 10.0_wp**(3 - floor(log10(x)))
-      rounded = real_to_text(anint(x*unit)/unit)
-   end function rounded
-
    !> Number with its unit.
    pure character(48) function with_unit(number, unit) result(text)
-      real(wp), intent(in) :: number
+      character(*), intent(in) :: number
       character(*), intent(in) :: unit
       !! '-' for a ratio
 
-      text = real_to_text(number)
+      text = number
       if (unit /= '-' .and. unit /= '') text = trim(text)//' '//unit
    end function with_unit
 

@@ -11,7 +11,7 @@ module rwmf_simulation_warnings
    use rwmf_problem_record, only: record_source_t, record_t
    use rwmf_problem_usual_ranges, only: list_unusual, unusual_record, unusual_text
    use rwmf_simulation_state_result, only: add_warning, result_t
-   use rwmf_text_strings, only: real_to_text, shown
+   use rwmf_text_strings, only: real_to_text, rounded_text, shown
    implicit none
    private
 
@@ -25,22 +25,14 @@ contains
       type(result_t), intent(inout) :: result
 
       if (value_of(result%values, id%pivot_lifts, 1) > 0) call add_warning(result, &
-         'the pivot reaction falls to N/(m_w g) = '//trim(value_text( &
-         id%pivot_normal_min_over_m_w_g)) &
-         //' at t = '//trim(value_text(id%t_pivot_normal_min_s)) &
+         'the pivot reaction falls to N/(m_w g) = '//trim(rounded_text( &
+         value_of(result%values, id%pivot_normal_min_over_m_w_g, 1))) &
+         //' at t = '//trim(rounded_text(value_of(result%values, id%t_pivot_normal_min_s, 1))) &
          //' s: the wall would leave the ground, which the model does not follow')
       if (value_of(result%values, id%friction_exceeded, 1) > 0) call add_warning(result, &
          'the friction demand |H|/N, or that of an impact, exceeds the friction_limit from t = ' &
-         //trim(value_text(id%t_friction_exceeded_s)) &
+         //trim(rounded_text(value_of(result%values, id%t_friction_exceeded_s, 1))) &
          //' s: the wall would slide, which the model does not follow')
-
-   contains
-
-      pure character(25) function value_text(number)
-         integer, intent(in) :: number
-
-         value_text = real_to_text(value_of(result%values, number, 1))
-      end function value_text
    end subroutine warn_of_reactions
 
    !> Warn of a toe stress beyond the linear range of the concrete.
@@ -55,7 +47,7 @@ contains
                  stress => value_of(result%values, id%toe_stress_max_Pa, 1))
          if (.not. stress > linear*numbers(3)) return
          if (stress < numbers(3)) then
-            call add_warning(result, 'the toe stress reaches '//trim(real_to_text(stress)) &
+            call add_warning(result, 'the toe stress reaches '//trim(rounded_text(stress)) &
                //' Pa: above 0.6 f_c concrete strains more than stress/E')
          else
             call add_warning(result, 'the toe crushes: its stress is f_c from there on, its ' &
@@ -69,7 +61,7 @@ contains
       type(result_t), intent(inout) :: result
 
       if (result%t_grazing < 0) return
-      call add_warning(result, 'at t = '//trim(real_to_text(result%t_grazing)) &
+      call add_warning(result, 'at t = '//trim(rounded_text(result%t_grazing)) &
          //' s the wall turns back on its base or hardly above it: what follows may depend ' &
          //'on the tolerance; &solver verify = .true. shows how much')
    end subroutine warn_of_grazing
@@ -79,7 +71,7 @@ contains
       type(result_t), intent(inout) :: result
 
       if (result%t_chatter < 0) return
-      call add_warning(result, 'from t = '//trim(real_to_text(result%t_chatter)) &
+      call add_warning(result, 'from t = '//trim(rounded_text(result%t_chatter)) &
          //' s on, bounces below the resolution of rtol are averaged or, beside moving floors, ' &
          //'left out (e near 1): the instants of later lift-offs are not those of single bounces')
    end subroutine warn_of_chatter
@@ -91,7 +83,7 @@ contains
       type(result_t), intent(inout) :: result
 
       if (.not. (allocated(result%history) .and. result%t_end < t_end)) return
-      call add_warning(result, 'the history ends at t = '//trim(real_to_text(result%t_end)) &
+      call add_warning(result, 'the history ends at t = '//trim(rounded_text(result%t_end)) &
          //' s, when '//trim(merge('the wall overturned', 'the frame collapsed', &
          result%overturned)))
    end subroutine warn_of_short_history
@@ -232,7 +224,7 @@ contains
       if (.not. allocated(case%upward)) return
       lowest = lowest_vertical(motion, case%solver%t_end)
       if (case%model%g*(1 + prestress(case)) + lowest > 0) return
-      call add_line('v_g'''' falls to '//trim(real_to_text(lowest)) &
+      call add_line('v_g'''' falls to '//trim(rounded_text(lowest)) &
          //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed', &
          lines)
    end subroutine warn_of_weight
@@ -242,12 +234,14 @@ contains
       type(case_t), intent(in) :: case
       !! case with a rocking wall
       character(256), allocatable, intent(inout) :: lines(:)
+      character(25) :: texts(2)
 
       if (.not. allocated(case%fuse)) return
       associate (push => sum(case%fuse%eta_y), eta_0 => prestress(case))
          if (push <= 1 + eta_0) return
-         call add_line('2 eta_y = '//trim(real_to_text(push))//' of &fuse exceeds 1 + eta_0 = ' &
-            //trim(real_to_text(1 + eta_0)) &
+         texts = distinct_texts(push, 1 + eta_0)
+         call add_line('2 eta_y = '//trim(texts(1))//' of &fuse exceeds 1 + eta_0 = ' &
+            //trim(texts(2)) &
             //', weight and prestress: the wall need not come down again', lines)
       end associate
    end subroutine warn_of_fuses
@@ -283,6 +277,7 @@ contains
       real(wp) :: e, e_max, outside
       real(wp) :: far(3), slides(2)
       !! e, e_max and the distance outside the base over its width; tan(alpha) and e [-]
+      character(25) :: texts(2)
       logical :: is_dead
       integer :: i, j
 
@@ -307,29 +302,26 @@ contains
          call add_line('the momentum balance leaves no velocity at impact for so squat a wall: ' &
             //'e = 0', lines)
       end if
-      if (far(3) > round_off) call add_line('e = '//trim(real_to_text(far(1))) &
-         //' is below e_max = '//trim(real_to_text(far(2))) &
+      texts = distinct_texts(far(1), far(2))
+      if (far(3) > round_off) call add_line('e = '//trim(texts(1)) &
+         //' is below e_max = '//trim(texts(2)) &
          //", that of &impact rule = 'coupled': the impulse would act " &
-         //trim(real_to_text(four_digits(far(3))))//' base widths outside the base', lines)
+         //trim(rounded_text(far(3)))//' base widths outside the base', lines)
       if (slides(1) > 0 .and. .not. case%wall%shear_key) call add_line('tan(alpha) = ' &
-         //trim(real_to_text(four_digits(slides(1))))//' with e = ' &
-         //trim(real_to_text(four_digits(slides(2)))) &
+         //trim(rounded_text(slides(1)))//' with e = ' &
+         //trim(rounded_text(slides(2))) &
          //': a base without a shear key slides at such impacts, which the model does not follow ' &
          //'(friction_demand_impact_max)', lines)
    end subroutine warn_of_impacts
 
-   !> Round a number to four significant digits, for a message.
-   pure real(wp) function four_digits(x) result(rounded)
-      real(wp), intent(in) :: x
-      real(wp) :: unit
+   !> Texts of two numbers that a message compares: rounded unless they would look equal.
+   pure function distinct_texts(x, y) result(texts)
+      real(wp), intent(in) :: x, y
+      character(25) :: texts(2)
 
-      rounded = x
-      if (.not. abs(x) > 0) return
-      unit = 10.0_wp**(floor(log10(abs(x))) - 3)
-      ! divide by a power of ten where it is exact
-      rounded = anint(x/unit)*unit
-      if (unit < 1) rounded = anint(x/unit)/anint(1/unit)
-   end function four_digits
+      texts = [rounded_text(x), rounded_text(y)]
+      if (texts(1) == texts(2)) texts = [real_to_text(x), real_to_text(y)]
+   end function distinct_texts
 
    !> Warn of soil on which a wall sinks instead of rocking on its corners.
    subroutine warn_of_soil(values, lines)
@@ -344,7 +336,7 @@ contains
          /real_of(values, 'wall', 'm_w')
       if (stiffness >= softest) return
       call add_line('k of &base_section times thickness/m_w = ' &
-         //trim(real_to_text(four_digits(stiffness)))//' 1/(m s2) is below 1e4: the wall sinks ' &
+         //trim(rounded_text(stiffness))//' 1/(m s2) is below 1e4: the wall sinks ' &
          //'into such soil, and the model of a rigid base does not hold', lines)
    end subroutine warn_of_soil
 

@@ -7,7 +7,7 @@ module rwmf_text_strings
    private
 
    public :: string_t
-   public :: integer_to_text, real_to_text, parse_real, parse_integer
+   public :: integer_to_text, real_to_text, rounded_text, parse_real, parse_integer
    public :: to_lower, shown, next_line, next_word, is_separator, nearest_name
 
    !> Element of an array of texts of different lengths.
@@ -72,6 +72,21 @@ contains
       end if
       text = plain_number(sign(1.0_dp, value) < 0, letters, exponent)
    end function real_to_text
+
+   !> Real with four significant digits, for a message; padded with blanks.
+   pure function rounded_text(x) result(text)
+      real(wp), intent(in) :: x
+      !! [any]
+      character(25) :: text
+      character(12) :: buffer
+      real(wp) :: rounded
+      integer :: status
+
+      write (buffer, '(es12.3e3)', iostat=status) x
+      if (status == 0) read (buffer, *, iostat=status) rounded
+      if (status /= 0) rounded = x
+      text = real_to_text(rounded)
+   end function rounded_text
 
    !> Find the shortest digits by trial, for zero and for numbers that `shortest_digits` leaves
    !> open.

@@ -1,6 +1,5 @@
 """Defaults of a case, and the warning about violated conservation laws."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -24,18 +23,15 @@ def outside(e: float = 0.9, gamma: float = 5.0) -> str:
     inertia = 4 / 3 * (h**2 + b**2) + 4 * gamma * h**2
     e_max = 1 - 2 * b**2 / inertia
     widths = (e_max - e) * inertia / (b * (1 + e)) / (2 * b)
-    found = re.search(
-        r"e_max = ([\d.]+)",
-        rwmf.simulate(
-            coupled(frame={"gamma": gamma}, impact={"e": 0.1}, solver={"t_end": 0.01})
-        ).attrs["warnings"],
-    )
-    assert found is not None
-    assert float(found[1]) == pytest.approx(e_max, rel=1e-15)
+    case = coupled(frame={"gamma": gamma}, impact={"e": 0.1}, solver={"t_end": 0.01})
+    found = rwmf.simulate(case)["e_max"].item()
+    assert found == pytest.approx(e_max, rel=1e-15)
+    shown = [float(f"{x:.4g}") for x in (e, found, widths)]
+    if shown[0] == shown[1]:
+        shown[:2] = e, found
     return (
-        f"e = {e!r} is below e_max = {found[1]}, that of &impact rule = 'coupled': the "
-        f"impulse would act "
-        f"{float(f'{widths:.4g}')!r} base widths outside the base"
+        f"e = {shown[0]!r} is below e_max = {shown[1]!r}, that of &impact rule = 'coupled': the "
+        f"impulse would act {shown[2]!r} base widths outside the base"
     )
 
 
@@ -113,6 +109,8 @@ def test_a_table_needs_no_rule() -> None:
         (TRUE | {"model": {"formulation": "published"}}, [ENERGY], None),
         (PAPER | {"model": {"formulation": "exact"}}, [], (0.9, 5.0)),
         (TRUE | {"impact": {"rule": "housner", "e": None}}, [], (0.9117647058823529, 5.0)),
+        # as near to the momentum balance as four digits can tell
+        (PAPER | {"impact": {"rule": None, "e": 0.99416}}, [ENERGY], (0.99416, 5.0)),
         # an impulse inside the base
         (TRUE | {"impact": {"rule": None, "e": 1.0}}, [], None),
         # a frame without mass moves no wall: the formulations are one

@@ -507,9 +507,6 @@ def test_figures_show_any_name(name: str, tmp_path: Path) -> None:
         word: _hostile(value) if isinstance(value, xr.Dataset) else value
         for word, value in _calls(tmp_path)[name].items()
     }
-    try:
-        _public()[name](**arguments)
-        for number in plt.get_fignums():
-            plt.figure(number).canvas.draw()
-    finally:
-        plt.close("all")
+    _public()[name](**arguments)
+    for number in plt.get_fignums():
+        plt.figure(number).canvas.draw()

@@ -57,7 +57,7 @@ def test_missed_targets_and_records_left_out() -> None:
     assert not found.is_feasible
     assert found.left_out == ("w3",)
     assert [line.partition(",")[0] for line in found.warnings] == [
-        "e = 0.9 is below e_max = 0.9941634241245136"
+        "e = 0.9 is below e_max = 0.9942"
     ]
     assert found.to_dict()["warnings"] == list(found.warnings)
     assert len(found.records) == len(RECORDS) - 1

@@ -59,7 +59,8 @@ def ratios(n: int, damping: str, masses: dict[float, float], beta: float = 0.0) 
         square, modes = eigh(stiffness[first:, first:], mass[first:, first:])
         modal = np.einsum("ji,jk,ki->i", modes, damper[first:, first:], modes)
         # rocking begins with the rotation as a rigid body
-        found.append((modal / (2 * np.sqrt(np.abs(square))))[1 - first :][: min(3, n)])
+        kept = slice(1 - first, 1 - first + min(3, n))
+        found.append(modal[kept] / (2 * np.sqrt(square[kept])))
     return np.array(found)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 import rwmf
@@ -11,16 +9,9 @@ from checkout import ROOT
 
 pytest.importorskip("matplotlib")
 
-from matplotlib import pyplot as plt
 from scenes import block, coupled
 
 REACTIONS = {"reactions": True, "dt": 0.02}
-
-
-@pytest.fixture(autouse=True)
-def _closed_figures() -> Iterator[None]:
-    yield
-    plt.close("all")
 
 
 def _case(coupling: str, *, has_mass: bool, bends: bool = False) -> rwmf.Case:

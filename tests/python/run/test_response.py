@@ -289,6 +289,17 @@ def test_table_has_a_row_for_each_time(name: str) -> None:
         run.drop_dims("time").table()
 
 
+def test_a_static_curve_is_a_table_and_draws_itself() -> None:
+    curve = rwmf.pushover(_storeys("full"))
+    table = curve.table()
+    assert table.index.name == "step"
+    assert np.array_equal(table["roof_drift"], curve["roof_drift"])
+    assert np.array_equal(table["storey_2_drift"], curve["storeys_drift"].sel(storey=2))
+    assert len(curve.to_dataframe()) == curve.sizes["step"] * curve.sizes["storey"] ** 2
+    (ax,), other = curve.plot(), rwmf.plot.pushover(curve)
+    assert np.array_equal(ax.lines[0].get_xydata(), other.lines[0].get_xydata())
+
+
 def test_a_response_draws_itself() -> None:
     run = rwmf.simulate(_storeys("full"))
     ours, theirs = run.plot(variables=["u_s"]), rwmf.plot.history(run, variables=["u_s"])

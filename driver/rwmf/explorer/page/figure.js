@@ -6,7 +6,7 @@ import { short } from "./format.js";
 const SPACE = "http://www.w3.org/2000/svg";
 const PRINT = { ink: "#1b1f24", soft: "#57606a", line: "#d3d9df", paper: "#ffffff",
   alone: "#6b7480",
-  c0: "#0072b2", c1: "#c04a00", c2: "#00795a", c3: "#9a6a00", c4: "#a0517f", c5: "#2b7fae" };
+  c0: "#0072b2", c1: "#c04a00", c2: "#00795a", c3: "#9a6a00", c4: "#a0517f", c5: "#2878a5" };
 
 function node(name, attributes, ...children) {
   const found = document.createElementNS(SPACE, name);
@@ -68,9 +68,11 @@ export function panel(curves, options) {
     node("text", { x, y, fill: tone("soft"), "font-size": 12, ...more }, words);
   const body = node("g", { "font-family": "system-ui, 'DejaVu Sans', sans-serif" });
   for (const x of logX ? decades(x0, x1) : marks(x0, x1, 5)) {
+    // the last number may have no room
+    const words = X(x) > width - 18 ? "" : short(x, 4);
     body.append(node("path", { d: `M${X(x)} ${top}V${bottom}`, stroke: tone("line"),
       fill: "none" }),
-      text(X(x), bottom + 15, short(x, 4), { "text-anchor": "middle" }));
+      text(X(x), bottom + 15, words, { "text-anchor": "middle" }));
   }
   for (const y of levels) {
     body.append(node("path", { d: `M${left} ${Y(y)}H${right}`, stroke: tone("line"),

@@ -50,7 +50,6 @@ class Explorer {
       this.stage.draw(t);
     });
     this.address = new Address((state) => this.restore(state));
-    byId("name").textContent = `explore ${description.name}`;
     document.title = `${description.name} – rwmf explore`;
     this.offerPresets(description);
     this.buttons();

@@ -109,7 +109,9 @@ class Chart {
 const PARTS = { kinetic: ["kinetic", "c0"], strain: ["frame springs", "c1"],
   gravity: ["gravity", "c2"],
   cable: ["cable", "c3"], effects: ["fuses, others", "c4"], viscous: ["viscous", "c5"],
-  hysteretic: ["yielding", "alone"], impact: ["impacts", "bad"] };
+  hysteretic: ["yielding", "alone"], impact: ["impacts", "bad"],
+  bending: ["bending of the wall", "soft"],
+  bending_damping: ["damping of the wall's modes", "warn"] };
 
 export class Pictures {
   constructor(onTime, onPeriod) {

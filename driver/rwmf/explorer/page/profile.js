@@ -17,17 +17,16 @@ export function drawProfile(ctx, motion, ghost, t, left, width, Y) {
     { title: `PFA ${short(Math.max(...profile.acceleration), 2)} g`, x: left + half + GAP,
       most: most("acceleration") },
   ];
-  ctx.font = `${textSize()}px system-ui, sans-serif`;
-  const fits = panels.every(({ title }) => ctx.measureText(title).width <= half);
-  panels.forEach((panel, i) => {
+  const letters = (size) => { ctx.font = `${size}px system-ui, sans-serif`; };
+  letters(textSize());
+  // smaller letters where the titles have no room side by side
+  const widest = Math.max(...panels.map(({ title }) => ctx.measureText(title).width));
+  letters(textSize() * Math.min(1, half / widest));
+  panels.forEach((panel) => {
     panel.X = (value) => panel.x + value / panel.most * (half - 4);
     stroke(ctx, "line", [[panel.x, top], [panel.x, Y(0)], [panel.x + half, Y(0)]], 1);
     ctx.fillStyle = colour("ink");
-    // side by side, or the second one below the first, at the right edge
-    const below = i > 0 || fits ? 0 : textSize() + 3;
-    ctx.textAlign = i > 0 && !fits ? "right" : "left";
-    ctx.fillText(panel.title, i > 0 && !fits ? panel.x + half : panel.x, top - 8 - below);
-    ctx.textAlign = "left";
+    ctx.fillText(panel.title, panel.x, top - 8);
   });
   const [drifts, floors] = panels;
   bars(ctx, motion, t, levels, drifts, Y);

@@ -9,8 +9,8 @@ module rwmf_input_record_lines
 
    character(*), parameter :: marks = '#%!'
    !! first letters of comments, beside '//'
-   character(*), parameter :: known_formats = 'known formats are AT2, ESM, K-NET, COSMOS, CGS, ' &
-      //'and numbers below one line of names'
+   character(*), parameter :: known_formats = 'known formats are AT2, ESM, K-NET, CSMNC, ' &
+      //'COSMOS, CGS, and numbers below one line of names'
 
 contains
 
