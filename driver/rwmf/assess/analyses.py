@@ -109,8 +109,8 @@ def ida(
 
     All records run at all levels. Then each record is scaled further until it reaches its
     capacity, and between the two nearest levels the capacity is bisected in the logarithm. The
-    capacity is the lowest run level at which the wall overturns, the frame collapses or a demand
-    exceeds its limit.
+    capacity is the lowest run level at which the wall overturns, the frame collapses or the
+    magnitude of a demand exceeds its limit.
 
     Parameters
     ----------
@@ -297,7 +297,7 @@ class _Search:
         """Find the runs at or above capacity."""
         found = fallen(table)
         for name, limit in self.limits.items():
-            found |= table[name].values > limit
+            found |= np.abs(table[name].values) > limit
         return found
 
     def next_level(self, levels: Array, reached: npt.NDArray[np.bool_]) -> float | None:

@@ -77,8 +77,12 @@ class _Question:
         down = fallen(table)
         if self.quantity == COLLAPSE:
             return down, down | (table["status"].values.astype(str) == "ok")
-        values = table[self.quantity].values
+        values = self.demands(table)
         return down | (values > self.limit), down | ~np.isnan(values)
+
+    def demands(self, table: xr.Dataset) -> Array:
+        """Return the magnitudes of the demand; residual drifts have a sign."""
+        return np.asarray(np.abs(table[self.quantity].values))
 
 
 @checked
@@ -107,8 +111,8 @@ def fragility(
         of another program needs the columns ``intensity``, a demand and ``status``. A table
         with ``intensity``, ``exceeded`` and ``runs`` holds counts.
     limit : float, optional
-        Limit of the demand in its unit; overturned and collapsed runs exceed every limit. Without
-        it the curve is that of collapse or overturning.
+        Limit of the demand's magnitude in its unit; overturned and collapsed runs exceed every
+        limit. Without it the curve is that of collapse or overturning.
     quantities : str, optional
         The demand; optional for a table with one demand.
     levels, exceeded, runs : array_like, shape (n,)
@@ -366,7 +370,7 @@ def _check_some(rows: xr.Dataset, question: _Question, label: str) -> None:
         if not known.any():
             raise InputError(f"{label}: {question.label}: no run has a result")
         none, every = not over[known].any(), bool(over[known].all())
-        values = rows[question.quantity].values[known] if question.quantity != COLLAPSE else ()
+        values = question.demands(rows)[known] if question.quantity != COLLAPSE else ()
         extremes = {"smallest": np.min, "largest": np.max}
         ends = tuple(
             f": the {word} {question.quantity} is {find(values):.6g}, the limit {question.limit:g}"
@@ -494,7 +498,7 @@ def _capacities(
     """Fit the intensities at which the records reach the limit."""
     over, known = question.exceeded(rows)
     names = list(dict.fromkeys(rows["record"].values.tolist()))
-    demands = None if question.quantity == COLLAPSE else rows[question.quantity].values
+    demands = None if question.quantity == COLLAPSE else question.demands(rows)
     found = []
     for name in names:
         own = np.flatnonzero((rows["record"].values == name) & known)
@@ -557,7 +561,7 @@ def _cloud(
 ) -> tuple[dict[str, Any], Fit, Fit | None]:
     """Fit a power law; the demand of a collapsed run lies above the limit and above its maximum."""
     _, known = question.exceeded(rows)
-    demands = rows[question.quantity].values
+    demands = question.demands(rows)
     down = fallen(rows) | np.isposinf(demands)
     if question.limit <= 0:
         raise InputError(f"{label}: limit = {question.limit:g}: must be > 0 in a cloud")

@@ -299,7 +299,7 @@ def demand_percentiles(
     quantities: str | Sequence[str] | None = None,
     q: Sequence[float] = _USUAL,
 ) -> xr.Dataset:
-    """Compute percentiles of demands over the records at each level, by ranks.
+    """Compute percentiles of demands, by magnitude and ranks, over the records at each level.
 
     The demand of a record between two of its levels is interpolated; above its first overturning or
     collapse it is infinite.
@@ -372,7 +372,7 @@ def _curves(rows: xr.Dataset, name: str, levels: Array) -> Array:
     names = rows["record"].values
     for record in dict.fromkeys(names.tolist()):
         own = rows.isel(row=np.flatnonzero(names == record))
-        x, y, down = own["intensity"].values, own[name].values, fallen(own)
+        x, y, down = own["intensity"].values, np.abs(own[name].values), fallen(own)
         first = x[down].min() if down.any() else math.inf
         upright = (x < first) & ~np.isnan(y)
         order = np.argsort(x[upright], kind="stable")

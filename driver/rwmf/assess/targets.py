@@ -145,7 +145,7 @@ class Target:
         if self.quantity == COLLAPSE:
             return 1.0 + value - (1.0 - self.share) - 1e-12
         if self.is_least:
-            return self.limit / value if value > 0 else np.inf
+            return np.inf if value <= 0 else self.limit / value
         return value / self.limit
 
 

@@ -122,8 +122,9 @@ def wall_effect(
     -------
     xarray.Dataset
         For each response ``QUANTITY`` with the wall, ``QUANTITY_alone`` without it, and their ratio
-        ``QUANTITY_ratio`` [-]; ``ratio`` is that of the first response. The ratio is infinite where
-        the wall overturned. The frame is the same with and without the wall at each period. The
+        ``QUANTITY_ratio`` [-]; ``ratio`` is that of the first response. Responses are infinite
+        after overturning or collapse: the ratio is 0 where the frame alone collapsed, NaN where
+        both did. The frame is the same with and without the wall at each period. The
         first period of storeys therefore changes where the wall kept them on a straight line.
 
     Raises
@@ -152,8 +153,7 @@ def wall_effect(
     alone = alone.assign_coords(T_s=both["T_s"])
     found: dict[str, xr.DataArray] = {}
     for name in names:
-        response = with_overturning(both, name)
-        plain = alone[name].astype(np.float64)
+        response, plain = with_overturning(both, name), with_overturning(alone, name)
         text = f"{QUANTITIES[name].meaning}: with the wall over without it"
         ratio = (response / plain).assign_attrs(units="1", long_name=text)
         found |= {f"{name}_ratio": ratio, name: response, f"{name}_alone": plain}

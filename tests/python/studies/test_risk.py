@@ -157,6 +157,21 @@ def test_percentiles_are_infinite_where_records_collapse(table: xr.Dataset) -> N
     np.testing.assert_array_equal(lowest, expected)
 
 
+def test_demands_count_by_magnitude() -> None:
+    """A residual drift to either side exceeds a limit, in curves and percentiles."""
+    columns: dict[str, Any] = {
+        "record": ["a", "a", "b", "b", "c", "c"],
+        "intensity": [0.2, 0.4] * 3,
+        "roof_residual_drift": [1e-3, 4e-3, -1e-3, -6e-3, 2e-3, -3e-3],
+    }
+    positive = columns | {"roof_residual_drift": np.abs(columns["roof_residual_drift"])}
+    curves = [rwmf.fragility(item, 2.5e-3, resamples=0, method="capacities")
+              for item in (columns, positive)]  # fmt: skip
+    assert curves[0].identical(curves[1])
+    found = [studies.demand_percentiles(item) for item in (columns, positive)]
+    assert found[0].identical(found[1])
+
+
 def test_records_replace_a_motion_in_memory() -> None:
     """A case whose motion is in memory needs no file for it."""
     first, second = suite(2)
