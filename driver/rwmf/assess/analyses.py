@@ -21,8 +21,7 @@ from rwmf.errors import InputError
 from rwmf.kernel import files, tables
 from rwmf.kernel.names import readable
 from rwmf.kernel.numbers import show, to_array, to_number
-from rwmf.motion.intensity import choose_intensity, scale_to_one
-from rwmf.motion.measures import Intensity
+from rwmf.motion.intensity import Intensity, choose_intensity, scale_to_one
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import default_quantity, fallen, find_quantities
 from rwmf.sweeps.computation import SweepOptions, path_of_store, sweep

@@ -16,7 +16,7 @@ import numpy.typing as npt
 import xarray as xr
 from scipy.special import log_ndtr
 
-from rwmf.assess.fits import exceedance
+from rwmf.assess.fragility_curves import exceedance
 from rwmf.assess.table import read_columns, warnings_of
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError

@@ -9,7 +9,7 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 
-from rwmf.assess.statistics import with_overturning
+from rwmf.assess.table import with_overturning
 from rwmf.case import CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.case.case import groups_of_wall

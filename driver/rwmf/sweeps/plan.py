@@ -20,8 +20,7 @@ from rwmf.case.namelist import compose
 from rwmf.errors import InputError, NumericalError, without_lines
 from rwmf.kernel import kernel_case, results, tables
 from rwmf.kernel.numbers import short_decimal
-from rwmf.motion.intensity import choose_intensity, scale_to_one
-from rwmf.motion.measures import Intensity
+from rwmf.motion.intensity import Intensity, choose_intensity, scale_to_one
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import (
     AXES,

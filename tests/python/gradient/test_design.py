@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rwmf
 from refused import refusals
-from rwmf.assess.targets import Target
+from rwmf.assess.design import Target
 from rwmf.cli import main
 from scenes import bare_frame, coupled
 

@@ -10,8 +10,8 @@ import pytest
 import rwmf
 from random_cases import random_cases
 from refused import refusals
-from rwmf.assess import held_keys
-from rwmf.assess.held_keys import (
+from rwmf.assess import lanes
+from rwmf.assess.lanes import (
     derivative_at,
     find_parameters,
     offsets_of,
@@ -182,8 +182,8 @@ def _real_keys(case: rwmf.Case) -> list[str]:
             with contextlib.suppress(rwmf.InputError):
                 item = find_parameters(case, [f"{group}.{key}"])[0]
                 if not item.is_list and group not in ("solver", "model"):
-                    value = float(held_keys.value_of(case, item)[0])
-                    held_keys.allowed_changes(case, item, value, held_keys.scale_of(item, value))
+                    value = float(lanes.value_of(case, item)[0])
+                    lanes.allowed_changes(case, item, value, lanes.scale_of(item, value))
                     found.append(item.name)
     return found
 
@@ -200,7 +200,7 @@ def test_every_key_has_the_derivative_of_the_case_as_written(text: str) -> None:
         item = find_parameters(case, [key])[0]
         value, step = float(found["parameter_value"][i]), 2e-4 * scale
         changes = [value + step, value - step] if value else [step, 2 * step]
-        cases = [case.replace(**held_keys.changed_entries(case, item, x)) for x in changes]
+        cases = [case.replace(**lanes.changed_entries(case, item, x)) for x in changes]
         peaks = [float(rwmf.simulate(other)[name]) for other in cases]
         slope = (peaks[0] - peaks[1]) / (changes[0] - changes[1])
         if not value:
