@@ -16,7 +16,7 @@ from rwmf.hosts.coupling import couple
 from rwmf.hosts.element import ElementResponse
 from rwmf.hosts.opensees_host import OpenSeesHost
 from rwmf.hosts.partner import FunctionHost, Host
-from rwmf.hosts.states import WallEvent, WallState
+from rwmf.hosts.wall import WallEvent, WallState
 
 __all__ = [
     "ElementResponse",

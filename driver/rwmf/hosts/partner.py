@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from rwmf.case.arguments import function_of
 from rwmf.errors import InputError, NumericalError
-from rwmf.hosts.states import WallEvent
+from rwmf.hosts.wall import WallEvent
 from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_shaped, to_whole
 
 Reals = npt.NDArray[np.float64]
