@@ -664,8 +664,6 @@ def design(
         left_out = asked["left_out"] if left_out is None else left_out
     designs = asked["designs"] if designs is None else designs
     to_whole("designs", designs, 1)
-    if left_out is not None:
-        left_out = _listed("left_out", left_out)
     suite, judges = _split(records, left_out, unit, dt)
     variables, limits = variables_of(bounds, case, bool(suite)), targets_of(targets, case)
     low = _check_ends(case, variables)
@@ -703,15 +701,6 @@ def design(
         tuple(record.name for record in judges),
         tuple(lines),
     )
-
-
-def _listed(name: str, value: object) -> list[Any]:
-    """Return the items of a list of records."""
-    one = isinstance(value, str | os.PathLike | Motion | RecordFile)
-    items = [value] if one else to_items(value)
-    if items is None:
-        raise InputError(f"{name} = {show(value)}: must be a list")
-    return items
 
 
 def _check(item: Target, value: float, other: float) -> Check:
@@ -775,9 +764,7 @@ def _with_values(case: Case, variables: Sequence[Variable], values: Array) -> Ca
     changes: dict[str, dict[str, object]] = {}
     for item, value in zip(variables, values.tolist(), strict=True):
         group, key = key_of_column(item.column)
-        if item.column == "scale":
-            group, key = "motion", "scale"
-        elif item.column in ("T_s", "gamma") and "storeys" in case.groups:
+        if item.column in ("T_s", "gamma") and "storeys" in case.groups:
             raise InputError(f"{item.name}: no case states it beside &storeys; vary T_1, m")
         changes.setdefault(group, {})[key] = int(value) if item.is_whole else value
     return case.replace(**changes)

@@ -17,7 +17,7 @@ from rwmf.assess.loss import shape_factor_of
 from rwmf.assess.table import quantities_of, read_table, warnings_of
 from rwmf.case.arguments import checked, texts_of
 from rwmf.errors import InputError
-from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
+from rwmf.kernel.numbers import show, to_array, to_number, to_whole
 from rwmf.run.quantities import fallen
 
 Array = npt.NDArray[np.float64]
@@ -422,8 +422,7 @@ def fragility(
 
 def _options(confidence: float, dispersions: float | Sequence[float]) -> dict[str, Any]:
     confidence = to_number("confidence", confidence, above=0.0, below=1.0)
-    items = to_items(dispersions)
-    further = to_array("dispersions", [dispersions] if items is None else items)
+    further = to_array("dispersions", dispersions)
     if (further < 0).any():
         raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
     return {"confidence": confidence, "further": math.hypot(*further)}

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 import xarray as xr
 
 from rwmf.case.arguments import array_of, checked, texts_of
@@ -209,16 +210,7 @@ def join(tables: Sequence[xr.Dataset]) -> xr.Dataset:
                 raise InputError(f"tables: differ in {key}: {old} and {new}: give both one measure")
     if len(tables) == 1:
         return first
-    names = dict.fromkeys(str(name) for table in tables for name in table.data_vars)
-    columns = {
-        name: np.concatenate(
-            [
-                table[name].values if name in table else np.full(table.sizes["row"], math.nan)
-                for table in tables
-            ]
-        )
-        for name in names
-    }
+    columns = pd.concat([table.to_dataframe() for table in tables])
     attributes = {
         key: value
         for key, value in first.attrs.items()
@@ -438,11 +430,10 @@ def quantile(
     if quantity not in dataset.data_vars or quantity == "status":
         names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
         raise InputError(f"quantity = {show(quantity)}: is not in the dataset, which has {names}")
-    is_one = to_items(q) is None
-    shares = to_array("q", [q] if is_one else q, least=1)
+    shares = to_array("q", q, least=1)
     if not ((shares >= 0) & (shares <= 1)).all():
         raise InputError(f"q = {show(q)}: must be in [0, 1]")
     values = array_of(with_overturning(dataset, quantity), dim)
     # linear interpolation between a number and infinity would give infinity or NaN
     found = values.quantile(shares, dim, method="inverted_cdf", keep_attrs=True, skipna=True)
-    return found.isel(quantile=0) if is_one else found
+    return found.isel(quantile=0) if to_items(q) is None else found

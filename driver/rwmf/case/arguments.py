@@ -152,6 +152,7 @@ _CHECKS: dict[str, Check] = {
     "horizon": to_number,
     "intensity": _text,
     "kind": _text,
+    "left_out": _sequence,
     "legend": _truth,
     "levels": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
     "limit": to_number,
