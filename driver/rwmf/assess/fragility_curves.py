@@ -384,7 +384,7 @@ def fragility(
         no fit exists.
     """
     options = _options(confidence, dispersions)
-    if levels is not None or exceeded is not None:
+    if any(item is not None for item in (levels, exceeded, runs)):
         if table is not None:
             raise InputError("fragility: takes a table, or levels with exceeded and runs, not both")
         table = {"intensity": levels, "exceeded": exceeded, "runs": runs}
@@ -470,8 +470,8 @@ def _question(
     if method is not None and not (isinstance(method, str) and method in METHODS):
         raise InputError(f"method = {show(method)}: must be one of {', '.join(METHODS)}")
     if "exceeded" in rows:
-        if limit is not None or method not in (None, "counts"):
-            raise InputError("fragility: counts take no limit and no other method")
+        if limit is not None or quantities or method not in (None, "counts"):
+            raise InputError("fragility: counts take no limit, no quantity and no other method")
         return _Question("counts", COLLAPSE, math.nan, resamples, seed)
     quantity = COLLAPSE
     if limit is not None or quantities:

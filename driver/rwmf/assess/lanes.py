@@ -21,6 +21,7 @@ from rwmf.kernel.numbers import float_of, show
 from rwmf.kernel.progress import Progress
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import fallen, find_quantities, refuse_missing
+from rwmf.run.simulation import NO_ACCURACY
 from rwmf.sweeps.axes import (
     SCALE,
     SETTINGS,
@@ -477,8 +478,7 @@ class Lanes:
         self._names = [next(iter(find_quantities((name,)))) for name in quantities]
         self.n_quantities = len(self._names)
         self._threads = threads
-        numbers = {"rtol": 1e-9, "atol": None, "accuracy": None}
-        self._case = scenes.case.replace(solver=numbers)
+        self._case = scenes.case.replace(solver={"rtol": 1e-9, "atol": None, **NO_ACCURACY})
         self._rows = [dict(row) for row in scenes.rows]
         self.values = np.empty((len(self._rows), len(parameters)))
         # the other keys of a parameter without a column follow it, such as eta_alpha after eta_0

@@ -18,7 +18,7 @@ from rwmf.kernel.numbers import to_number
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import ORDINATES as QUANTITIES
 from rwmf.run.quantities import find_quantities
-from rwmf.run.simulation import simulate
+from rwmf.run.simulation import NO_ACCURACY, simulate
 from rwmf.sweeps.axes import keys_of_axis, name_axes
 from rwmf.sweeps.computation import SweepOptions, sweep
 
@@ -65,8 +65,8 @@ def restitution(case: CaseLike, *, start: float = 0.5) -> xr.Dataset:
     pace = math.sqrt(3 * g / (4 * math.hypot(h, b)))
     free: Any = known.replace(
         motion={"kind": "none"},
-        initial={"theta_over_alpha": start},
-        solver={"t_end": 20 / pace, "rtol": 1e-9},
+        initial={"theta_over_alpha": start, "theta_dot": None},
+        solver={"t_end": 20 / pace, "rtol": 1e-9, **NO_ACCURACY},
         output={"dt": 0.002 / pace, "reactions": False, "conditioning": False},
     )
     response = simulate(free)

@@ -19,7 +19,7 @@ from rwmf.kernel.kernel_case import keep_samples
 from rwmf.kernel.marshalling import Memory
 from rwmf.kernel.numbers import show, to_array, to_number
 
-_UNITS = ("g", "m/s2", "cm/s2")
+UNITS = ("g", "m/s2", "cm/s2")
 # order of the derivative that the last steps of ObsPy leave: 2 for accelerations
 _ORDERS = {"DISP": 0, "VEL": 1, "ACC": 2}
 _QUANTITIES = {0: "displacements", 1: "velocities"}
@@ -91,7 +91,7 @@ class Motion:
         if not isinstance(name, str) or not name.strip() or not name.isprintable():
             raise InputError(f"name = {show(name)} of a motion: must be printable text on one line")
         put("name", name)
-        if not isinstance(unit, str) or unit not in _UNITS:
+        if not isinstance(unit, str) or unit not in UNITS:
             raise self._problem(f"unit = {show(unit)}: must be 'g', 'm/s2' or 'cm/s2'")
         if (dt is None) == (times is None):
             raise self._problem("exactly one of dt and times must be given")

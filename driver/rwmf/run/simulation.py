@@ -19,6 +19,9 @@ from rwmf.run.quantities import Quantity, find_numbered
 if TYPE_CHECKING:
     from rwmf.run.response import Labelled, Response
 
+# keys of &solver that choose the tolerance by the accuracy of a peak, removed
+NO_ACCURACY: dict[str, object] = dict.fromkeys(("accuracy", "accuracy_of", "verify"))
+
 
 @checked
 def simulate(case: CaseLike, dt: float | None = None) -> Response:

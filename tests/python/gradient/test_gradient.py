@@ -47,6 +47,15 @@ def test_bouncing_ball(number: int, truth: float) -> None:
     assert not found.is_kink
 
 
+def test_the_accuracy_of_a_case_does_not_count() -> None:
+    case = coupled(solver={"t_end": 1.0})
+    found = rwmf.gradient(case, "xi_s", "u_s_max")
+    asked = case.replace(solver={"accuracy": 1e-4, "accuracy_of": "u_s_max_m"})
+    assert rwmf.gradient(asked, "xi_s", "u_s_max").identical(found)
+    with pytest.raises(rwmf.InputError, match="unit = 'ft': must be 'g', 'm/s2' or 'cm/s2'"):
+        rwmf.gradient(case, "xi_s", unit="ft")
+
+
 def test_slopes_that_differ_are_a_kink() -> None:
     offsets = offsets_of((True, True))
     found = derivative_at(offsets, np.maximum(3 * offsets, offsets), 0.0)

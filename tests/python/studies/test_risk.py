@@ -392,6 +392,8 @@ test_degenerate_data_say_why = refusals(
     (BAKER | {"mce": 1, "shape_factor": (1, 0.5, "B")}, "ductility = 0.5: must be >= 1"),
     ({"table": {"intensity": [0.1], "d": [1.0]}, "limit": 2, "quantities": "e"}, "has d"),
     ({"table": {"d": [1.0]}, "limit": 2}, "no column intensity, only d"),
+    (BAKER | {"quantities": "u_s_max"}, "counts take no limit, no quantity"),
+    ({"table": {"intensity": [0.1], "d": [1.0]}, "runs": 40}, "with exceeded and runs, not both"),
 )
 
 
@@ -586,6 +588,7 @@ test_hazards_that_are_refused = refused_files(
     ("intensity,annual poe_50\n0.1,1\n1,0.1", "line 1: .* states no years"),
     ("# probability in 50 years\nintensity,frequency\n0.1,1\n1,0.1", "line 1: states prob"),
     ("0.1,1\n1,0.1", "line 1: has numbers instead of the names"),
+    ("# of a site\n\na,b\n0.1,1\n1,0.1", "line 3: the columns are a, b"),
     ("intensity,frequency\n0.1,1\n0.1,0.5", "line 3: intensity = 0.1: is given twice"),
     ("intensity,frequency\n0.1,1\n0.2,2", "line 3: frequency = 2: must not grow"),
     ("intensity,return_period\n0.1,475\n0.2,100", "line 3: frequency = 0.01: must not grow"),
