@@ -151,7 +151,7 @@ def ida(
     found = _limits(limits)
     names = [] if quantities is None else texts_of("quantities", quantities)
     suite, options = _suite("ida", case, records, [*names, *found], further)
-    ladder = levels_of(levels)
+    ladder = np.unique(levels)
     top = _HIGHEST * float(ladder[-1])
     if highest is not None:
         top = to_number("highest", highest, above=0.0)
@@ -190,7 +190,7 @@ def stripes(
         As `rwmf.ida`.
     """
     suite, options = _suite("stripes", case, records, quantities, further)
-    return _run(suite, options, {"levels": levels_of(levels).tolist()})
+    return _run(suite, options, {"levels": np.unique(levels).tolist()})
 
 
 @checked
@@ -254,11 +254,6 @@ def designs_of(case: Designs) -> dict[str, Case]:
         name: item.without("spectrum") if "spectrum" in item.groups else item
         for name, item in found.items()
     }
-
-
-def levels_of(levels: Sequence[float]) -> Array:
-    """Check levels of intensity."""
-    return np.unique(to_array("levels", levels, above=0.0, least=1))
 
 
 def _limits(limits: Mapping[str, float] | None) -> dict[str, float]:

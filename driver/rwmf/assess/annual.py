@@ -501,7 +501,7 @@ def _fragilities(value: Any) -> tuple[xr.Dataset, xr.Dataset | None]:  # noqa: A
 def _edges(levels: Sequence[float] | None, medians: Array, dispersions: Array) -> Array:
     """Return the given edges of the bins, or round ones around all medians."""
     if levels is not None:
-        edges = to_array("levels", levels, above=0.0, least=1)
+        edges = np.array(levels)
         if (np.diff(edges) <= 0).any():
             raise InputError(f"levels = {show(levels)}: must ascend")
         return edges

@@ -15,7 +15,7 @@ from scipy.special import erfcx, log_ndtr, ndtr
 
 from rwmf.assess.loss import shape_factor_of
 from rwmf.assess.table import quantities_of, read_table, warnings_of
-from rwmf.case.arguments import checked, texts_of
+from rwmf.case.arguments import checked
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import show, to_array, to_number, to_whole
 from rwmf.run.quantities import fallen
@@ -285,6 +285,10 @@ class _Question:
         Demand, or ``collapse``.
     limit : float
         Limit in the quantity's unit; NaN for collapse.
+    further : float
+        Dispersion besides that of the records [-].
+    confidence : float
+        Probability of the bands [-].
     resamples : int
         Bootstrap resamples.
     seed : int
@@ -294,6 +298,8 @@ class _Question:
     method: str
     quantity: str
     limit: float
+    further: float
+    confidence: float
     resamples: int
     seed: int
 
@@ -383,7 +389,9 @@ def fragility(
         When an argument is not acceptable, or when no run or every run exceeds the limit, so that
         no fit exists.
     """
-    options = _options(confidence, dispersions)
+    further = to_array("dispersions", dispersions)
+    if (further < 0).any():
+        raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
     if any(item is not None for item in (levels, exceeded, runs)):
         if table is not None:
             raise InputError("fragility: takes a table, or levels with exceeded and runs, not both")
@@ -391,15 +399,20 @@ def fragility(
     if table is None:
         raise InputError("fragility: needs a table, or levels with exceeded and runs")
     rows = _rows_of(table)
-    resamples, seed = to_whole("resamples", resamples, 0, 10**6), to_whole("seed", seed, 0)
-    question = _question(rows, limit, quantities, method, resamples, seed)
+    question = _Question(
+        *_asked(rows, limit, quantities, method),
+        math.hypot(*further),
+        to_number("confidence", confidence, above=0.0, below=1.0),
+        to_whole("resamples", resamples, 0, 10**6),
+        to_whole("seed", seed, 0),
+    )
     names = list(dict.fromkeys(rows["design"].values.tolist()))
     parts = []
     notes: list[str] = []
     for name in names:
         own = rows.isel(row=np.flatnonzero(rows["design"].values == name))
         label = f"fragility{f' of {name}' if len(names) > 1 else ''}"
-        part, lines = _one(own, question, options, label)
+        part, lines = _one(own, question, label)
         parts.append(part)
         notes += [f"{name}: {line}" if len(names) > 1 else line for line in lines]
     found = _together(parts, names)
@@ -413,19 +426,11 @@ def fragility(
     found.attrs = attrs | {
         "quantity": question.quantity,
         "method": question.method,
-        "confidence": options["confidence"],
-        "seed": seed,
+        "confidence": question.confidence,
+        "seed": question.seed,
         "warnings": "\n".join([*warnings_of(rows), *notes]),
     }
     return found.squeeze("design") if len(names) == 1 else found
-
-
-def _options(confidence: float, dispersions: float | Sequence[float]) -> dict[str, Any]:
-    confidence = to_number("confidence", confidence, above=0.0, below=1.0)
-    further = to_array("dispersions", dispersions)
-    if (further < 0).any():
-        raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
-    return {"confidence": confidence, "further": math.hypot(*further)}
 
 
 def _rows_of(table: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
@@ -459,43 +464,35 @@ def _rows_of(table: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
     return rows
 
 
-def _question(
-    rows: xr.Dataset,
-    limit: float | None,
-    quantities: str | Sequence[str] | None,
-    method: str | None,
-    resamples: int,
-    seed: int,
-) -> _Question:
+def _asked(
+    rows: xr.Dataset, limit: float | None, quantities: Sequence[str] | None, method: str | None
+) -> tuple[str, str, float]:
+    """Return the method, the demand and its limit."""
     if method is not None and not (isinstance(method, str) and method in METHODS):
         raise InputError(f"method = {show(method)}: must be one of {', '.join(METHODS)}")
     if "exceeded" in rows:
         if limit is not None or quantities or method not in (None, "counts"):
             raise InputError("fragility: counts take no limit, no quantity and no other method")
-        return _Question("counts", COLLAPSE, math.nan, resamples, seed)
+        return "counts", COLLAPSE, math.nan
     quantity = COLLAPSE
     if limit is not None or quantities:
         if limit is None:
             raise InputError("fragility: limit: is missing: the limit of the quantity")
-        limit = to_number("limit", limit)
         quantity = _quantity(rows, quantities)
     usual = _OF_ANALYSIS.get(str(rows.attrs.get("analysis")), "counts")
     if quantity == COLLAPSE and "cloud" in (method or usual):
         if method == "cloud":
             raise InputError("fragility: the method cloud needs a limit of a demand")
         usual = "counts"
-    return _Question(
-        method or usual, quantity, math.nan if limit is None else limit, resamples, seed
-    )
+    return method or usual, quantity, math.nan if limit is None else limit
 
 
-def _quantity(rows: xr.Dataset, quantities: str | Sequence[str] | None) -> str:
+def _quantity(rows: xr.Dataset, names: Sequence[str] | None) -> str:
     known = quantities_of(rows)
-    if quantities is None:
+    if names is None:
         if len(known) != 1:
             raise InputError(f"fragility: quantities: must be one of {', '.join(known) or 'none'}")
         return known[0]
-    names = texts_of("quantities", quantities)
     if len(names) != 1:
         raise InputError(f"fragility: quantities = {', '.join(names)}: must be one quantity")
     if names[0] not in known:
@@ -505,16 +502,14 @@ def _quantity(rows: xr.Dataset, quantities: str | Sequence[str] | None) -> str:
     return names[0]
 
 
-def _one(
-    rows: xr.Dataset, question: _Question, options: Mapping[str, Any], label: str
-) -> tuple[xr.Dataset, list[str]]:
+def _one(rows: xr.Dataset, question: _Question, label: str) -> tuple[xr.Dataset, list[str]]:
     """Fit one design."""
     sample = {"counts": _counts, "capacities": _capacities, "cloud": _cloud}[question.method]
     _check_some(rows, question, label)
     points, fit, resampled = sample(rows, question, label)
     median, dispersion = float(fit.median[0]), float(fit.dispersion[0])
     notes = _notes(median, dispersion, points, rows)
-    total = math.hypot(dispersion, options["further"])
+    total = math.hypot(dispersion, question.further)
     unit = {"units": str(rows["intensity"].attrs.get("units", "g"))}
     one = {"units": "1"}
     found = xr.Dataset(
@@ -528,10 +523,7 @@ def _one(
         coords={"intensity": ("intensity", points["x"], unit)},
     )
     if fit.slope is not None and fit.scatter is not None:
-        found["demand_slope"], found["demand_dispersion"] = (
-            float(fit.slope[0]),
-            float(fit.scatter[0]),
-        )
+        found = found.assign(demand_slope=fit.slope[0], demand_dispersion=fit.scatter[0])
     if "exceeded" in points:
         with np.errstate(invalid="ignore"):
             share = points["exceeded"] / points["runs"]
@@ -545,7 +537,7 @@ def _one(
             record=("record", points["record"])
         )
     if resampled is not None:
-        found = _with_bands(found, resampled, options, question.resamples, notes)
+        found = _with_bands(found, resampled, question, notes)
     return found, notes
 
 
@@ -554,17 +546,15 @@ def _unit(rows: xr.Dataset, question: _Question) -> dict[str, str]:
     return {"units": str(attrs.get("units", "1"))}
 
 
-def _with_bands(
-    found: xr.Dataset, fit: Fit, options: Mapping[str, Any], n: int, notes: list[str]
-) -> xr.Dataset:
+def _with_bands(found: xr.Dataset, fit: Fit, question: _Question, notes: list[str]) -> xr.Dataset:
     """Add quantiles of the resamples by rank, in which infinite medians count."""
-    tail = 0.5 * (1 - options["confidence"])
+    tail, n = 0.5 * (1 - question.confidence), question.resamples
     tails = [tail, 1 - tail]
     usable = ~np.isnan(fit.median)
     lost = n - int(usable.sum())
     if lost:
         notes.append(f"{lost} of {n} resamples have no growing curve and are left out of the bands")
-    total = np.hypot(fit.dispersion, options["further"])
+    total = np.hypot(fit.dispersion, question.further)
     x = found["intensity"].values
     with np.errstate(invalid="ignore"):
         curves = exceedance(x[:, None], fit.median[None, usable], total[None, usable])

@@ -155,7 +155,7 @@ _CHECKS: dict[str, Check] = {
     "kind": _text,
     "left_out": _sequence,
     "legend": _truth,
-    "levels": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
+    "levels": _positives,
     "limit": to_number,
     "n": lambda name, value: to_whole(name, value, 1),
     "omega_over_p": _positives,

@@ -182,8 +182,6 @@ def _parameters(case: Case) -> list[Variable]:
             if key in values.derived and key not in given:
                 continue
             numbers = value if isinstance(value, tuple) else (value,)
-            if any(isinstance(number, str) for number in numbers):
-                raise InputError(f"{name} = {value}: must be a number")
             unit = "" if row.unit == "-" else row.unit
             for i, number in enumerate(numbers, 1):
                 size = (len(numbers), i if len(numbers) > 1 else 0)

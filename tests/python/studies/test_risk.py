@@ -644,6 +644,10 @@ def test_frequencies_above_one_warn() -> None:
     found = rwmf.risk((0.5, 0.4), {"intensity": [0.1, 1.0], "frequency": [20.0, 2.0]})
     assert "hazard: annual frequencies above 1 (up to 20 in 2 of 2 points)" in found.warnings
     assert "the annual frequency" in found.warnings
+    # a return period states that it is one
+    short = rwmf.risk((0.5, 0.4), {"intensity": [0.1, 1.0], "return_period": [0.05, 0.5]})
+    assert float(short["annual_frequency"]) == pytest.approx(float(found["annual_frequency"]))
+    assert "are they frequencies" not in short.warnings
 
 
 def test_a_step_at_an_edge_of_the_bins() -> None:
