@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 import xarray as xr
 
 from rwmf.assess.table import describe, read_table, table_of, write_table
@@ -36,6 +37,8 @@ _TOLERANCE = 0.02
 # steps of the hunt beyond the levels, upwards and downwards, and its ends
 _UP, _DOWN = 1.5, 0.5
 _HIGHEST, _LOWEST = 4.0, 1 / 64
+# columns that say which design and record a run has, by their numbers
+_KEYS = ["case", "number"]
 
 
 class AnalysisOptions(SweepOptions, total=False):
@@ -373,9 +376,8 @@ def _run(
     while search is not None and (further := list(_next_points(suite, table, search))):
         more, others = stages.run(further)
         warnings += others
-        table = {name: np.concatenate([table[name], more[name]]) for name in table}
-    order = np.lexsort([table["intensity"], table.pop("number"), table.pop("case")])
-    columns = {name: values[order] for name, values in table.items()}
+        table = pd.concat([table, more])
+    columns = table.sort_values([*_KEYS, "intensity"]).drop(columns=_KEYS)
     # stages of a search repeat the warnings of the first one with other numbers
     lines = [
         f"{name}: {line}"
@@ -406,17 +408,15 @@ def _is_other(path: Path, request: str, restart: bool) -> bool:
 
 
 def _next_points(
-    suite: Suite, table: Mapping[str, npt.NDArray[Any]], search: _Search
+    suite: Suite, table: pd.DataFrame, search: _Search
 ) -> Iterator[tuple[str, int, float]]:
     """Yield the next run of every record whose search goes on."""
-    rows = table_of({k: v for k, v in table.items() if k not in ("case", "number")}, {})
-    reached = search.reached(rows)
-    for i, name in enumerate(suite.designs):
-        for record in range(len(suite.records)):
-            own = (table["case"] == i) & (table["number"] == record)
-            level = search.next_level(table["intensity"][own], reached[own])
-            if level is not None:
-                yield name, record, level
+    reached = search.reached(table_of(table.drop(columns=_KEYS), {}))
+    names = list(suite.designs)
+    for (i, record), own in table.reset_index().groupby(_KEYS):
+        level = search.next_level(own["intensity"].to_numpy(), reached[own.index])
+        if level is not None:
+            yield names[i], record, level
 
 
 class _Stages:
@@ -434,7 +434,7 @@ class _Stages:
 
     def run(
         self, points: list[tuple[str, int, float]]
-    ) -> tuple[dict[str, npt.NDArray[Any]], list[tuple[str, str]]]:
+    ) -> tuple[pd.DataFrame, list[tuple[str, str]]]:
         """Run points (design, number of the record, factor) and return columns and warnings."""
         parts, warnings = [], []
         for number, design in enumerate(self._suite.designs):
@@ -444,11 +444,11 @@ class _Stages:
                 parts.append(found)
                 warnings += [(design, line) for line in lines]
         self._stage += 1
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}, warnings
+        return pd.concat(parts), warnings
 
     def _sweep(
         self, number: int, design: str, own: list[tuple[int, float]]
-    ) -> tuple[dict[str, npt.NDArray[Any]], list[str]]:
+    ) -> tuple[pd.DataFrame, list[str]]:
         suite = self._suite
         which = np.array([record for record, _ in own])
         steps = np.array([step for _, step in own])
@@ -481,7 +481,7 @@ class _Stages:
                 "case": np.full(which.size, number),
                 "number": which,
             }
-            return columns, str(found.attrs["warnings"]).splitlines()
+            return pd.DataFrame(columns), str(found.attrs["warnings"]).splitlines()
 
     def remove(self) -> None:
         """Remove the files of all stages after the table is complete."""

@@ -192,7 +192,6 @@ def read_dyna(lines: list[str], name: str) -> list[Channel]:
     header = {
         key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines[:n])
     }
-    dialect = "ESM"
     kind = header.get("DATA_TYPE", "ACCELERATION")
     if kind != "ACCELERATION":
         raise InputError(f"the header has DATA_TYPE = {kind}: must be ACCELERATION")
@@ -205,7 +204,7 @@ def read_dyna(lines: list[str], name: str) -> list[Channel]:
     stream = header.get("STREAM", "")
     direction = "Z" if stream.endswith("Z") else stream
     motion = Motion(values, dt=dt, unit=unit, name=name)
-    return [Channel(motion, direction, dialect)]
+    return [Channel(motion, direction, "ESM")]
 
 
 def read_nied(lines: list[str], name: str) -> list[Channel]:

@@ -148,15 +148,13 @@ def level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict
     """Return numbers and heights of the storeys and floors, from the ground up."""
     heights = heights_of_storeys(case, sizes.get("floor", sizes.get("storey", 0)))
     found: dict[str, Labelled] = {}
-    for level, values, meaning in (
-        ("storey", heights, "height of the storey, from floor to floor"),
-        ("floor", list(accumulate(heights)), "height of the floor above the base"),
-        ("mode", [], ""),
-        ("tendon", [], ""),
-        ("fuse", [], ""),
-        ("restraint", [], ""),
-    ):
+    known = {
+        "storey": (heights, "height of the storey, from floor to floor"),
+        "floor": (list(accumulate(heights)), "height of the floor above the base"),
+    }
+    for level in ("storey", "floor", "mode", "tendon", "fuse", "restraint"):
         if level in dims:
+            values, meaning = known.get(level, ([], ""))
             text = f"number of the {level}" + (", from the ground up" if meaning else "")
             found[level] = ((level,), np.arange(1, sizes[level] + 1), {"long_name": text})
             if values:
