@@ -512,12 +512,13 @@ def _one(rows: xr.Dataset, question: _Question, label: str) -> tuple[xr.Dataset,
     total = math.hypot(dispersion, question.further)
     unit = {"units": str(rows["intensity"].attrs.get("units", "g"))}
     one = {"units": "1"}
+    attrs = {} if question.quantity == COLLAPSE else rows[question.quantity].attrs
     found = xr.Dataset(
         {
             "median": ((), median, unit),
             "dispersion": ((), dispersion, one),
             "dispersion_total": ((), total, one),
-            "limit": ((), question.limit, _unit(rows, question)),
+            "limit": ((), question.limit, {"units": str(attrs.get("units", "1"))}),
             "fitted": ("intensity", exceedance(points["x"], median, total), one),
         },
         coords={"intensity": ("intensity", points["x"], unit)},
@@ -539,11 +540,6 @@ def _one(rows: xr.Dataset, question: _Question, label: str) -> tuple[xr.Dataset,
     if resampled is not None:
         found = _with_bands(found, resampled, question, notes)
     return found, notes
-
-
-def _unit(rows: xr.Dataset, question: _Question) -> dict[str, str]:
-    attrs = {} if question.quantity == COLLAPSE else rows[question.quantity].attrs
-    return {"units": str(attrs.get("units", "1"))}
 
 
 def _with_bands(found: xr.Dataset, fit: Fit, question: _Question, notes: list[str]) -> xr.Dataset:

@@ -411,9 +411,7 @@ class Scenes:
                     else [item.values[k] for k in axis.scene_of.tolist()]
                 ),
                 dims=item.dimension,
-                attrs={"units": item.unit, "long_name": item.meaning}
-                if item.unit
-                else {"long_name": item.meaning},
+                attrs=({"units": item.unit} if item.unit else {}) | {"long_name": item.meaning},
             )
             for axis in self._axes
             for item in axis.coordinates

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Generic, NamedTuple, TypeVar, overload
+from typing import Any, Generic, NamedTuple, TypeVar, overload
 
 import numpy as np
 
@@ -465,15 +465,9 @@ def _response(found: Reals, n: int) -> ElementResponse[float] | ElementResponse[
     if n == 1:
         forces = forces[..., 0]
         stiffness, damping, mass = (values[..., 0, 0] for values in (stiffness, damping, mass))
-    theta, theta_dot, theta_ddot, cable = (rest[..., k] for k in range(2, 6))
-    if n > 1 or shape:
-        return ElementResponse(
-            forces, stiffness, damping, mass, theta, theta_dot, theta_ddot, cable, hold, fuses
-        )
-    return ElementResponse(
-        float(forces), float(stiffness), float(damping), float(mass),
-        float(theta), float(theta_dot), float(theta_ddot), float(cable), hold, fuses,
-    )  # fmt: skip
+    numbers = [forces, stiffness, damping, mass, *(rest[..., k] for k in range(2, 6))]
+    values: list[Any] = list(map(float, numbers)) if n == 1 and not shape else numbers
+    return ElementResponse(*[*values, hold, fuses])
 
 
 def _side(value: object) -> Reals:

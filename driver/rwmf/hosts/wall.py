@@ -362,26 +362,20 @@ class Wall(_Stepping):
         """Present state: t, theta, u_s with their rates [s, rad, m], counts and flags."""
         with self._guard as kernel:
             reals, counts = kernel.states()
-        t, theta, theta_dot, theta_ddot, u_s, u_s_dot, u_s_ddot = reals[1:8, 0].tolist()
-        impacts, lift_offs, steps, at_rest, overturned, collapsed = counts[:, 0].tolist()
-        return WallState(
-            t, theta, theta_dot, theta_ddot, u_s, u_s_dot, u_s_ddot, impacts, lift_offs, steps,
-            bool(at_rest), bool(overturned), bool(collapsed),
-        )  # fmt: skip
+        flags = map(bool, counts[3:, 0].tolist())
+        return WallState(*reals[1:8, 0].tolist(), *counts[:3, 0].tolist(), *flags)
 
     @property
     def maxima(self) -> WallMaxima[float]:
         """Largest ``|u_s|`` [m], ``|theta|`` [rad] and ``|theta_dot|`` [rad/s] so far."""
         with self._guard as kernel:
-            u_s, theta, theta_dot = kernel.states()[0][8:, 0].tolist()
-        return WallMaxima(u_s, theta, theta_dot)
+            return WallMaxima(*kernel.states()[0][8:, 0].tolist())
 
     @property
     def forces(self) -> WallForces[float]:
         """Present forces [N], in N/kg without a mass in the case."""
         with self._guard as kernel:
-            link, frame_shear, cable = kernel.forces()[:, 0].tolist()
-        return WallForces(link, frame_shear, cable)
+            return WallForces(*kernel.forces()[:, 0].tolist())
 
     @property
     def events(self) -> list[WallEvent]:

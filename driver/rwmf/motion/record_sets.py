@@ -84,7 +84,8 @@ def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float
             f"records: fema:{name} needs h5py and hdf5plugin ({error}): {how_to_install('suites')}"
         ) from error
 
-    folder = _cache_folder() / name / variant
+    version = importlib.metadata.version(_FEMA_PACKAGE)
+    folder = _cache() / f"{_FEMA_PACKAGE}-{version}" / name / variant
     found = []
     with h5py.File(source / f"{FEMA_SETS[name]}.hdf5") as file:
         series = file["_timeseries"]
@@ -98,10 +99,6 @@ def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float
                 # the times are sums of a decimal interval: 0.01, not 0.009999999
                 found.append((path, float(f"{t[1] - t[0]:.9g}")))
     return found
-
-
-def _cache_folder() -> Path:
-    return _cache() / f"{_FEMA_PACKAGE}-{importlib.metadata.version(_FEMA_PACKAGE)}"
 
 
 def _cache() -> Path:

@@ -142,7 +142,8 @@ _FORM = "must have two columns, as Period (s),Sa (g)"
 def read_target(path: Path, damping: float) -> Array:
     """Read a target spectrum."""
     lines = read_bytes(path).decode("utf-8-sig", errors="surrogateescape").splitlines()
-    first = next((i for i, line in enumerate(lines) if _begins_with_number(line)), len(lines))
+    number = re.compile(r"\s*[\"']?[-+]?\.?\d")
+    first = next((i for i, line in enumerate(lines) if number.match(line)), len(lines))
     try:
         names, at = _names_above(lines[:first], damping)
         table = _numbers(lines, first)
@@ -155,10 +156,6 @@ def read_target(path: Path, damping: float) -> Array:
     except InputError as error:
         place = "" if names is None else f"line {at}: "
         raise InputError(f"target: {path}, {place}{error}") from error
-
-
-def _begins_with_number(line: str) -> bool:
-    return re.match(r"\s*[\"']?[-+]?\.?\d", line) is not None
 
 
 def _names_above(lines: list[str], damping: float) -> tuple[tuple[ColumnName, ...] | None, int]:

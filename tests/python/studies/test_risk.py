@@ -363,6 +363,9 @@ def test_a_table_of_hazard_and_its_bins() -> None:
     table = np.column_stack([x, 2e-4 * x**-2.5])
     columns = {"intensity": x, "frequency": table[:, 1]}
     assert rwmf.risk((0.9, 0.4), table).identical(rwmf.risk((0.9, 0.4), columns))
+    poe = np.append(1.0, -np.expm1(-50 * table[:, 1]))
+    found = rwmf.risk((0.9, 0.4), {"intensity": np.append(0.01, x), "poe_50": poe})
+    assert found.attrs["warnings"] == "hazard: 1 point of probability 1 left out"
     with pytest.raises(InputError, match=r"levels = .* must ascend"):
         rwmf.risk((0.9, 0.4), table, levels=[0.5, 0.5])
 
