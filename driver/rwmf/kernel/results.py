@@ -14,14 +14,16 @@ from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._kernel import rwmf_bindings_python_static_curve as _curves
 from rwmf.errors import InputError
 from rwmf.kernel.kernel_case import KernelCase
-from rwmf.kernel.kernel_thread import Progress, wait_for, write
 from rwmf.kernel.marshalling import (
     Memory,
     MemoryView,
+    Progress,
     encode,
     fetch_text,
     split_lines,
     summary_item,
+    wait_for,
+    write,
 )
 from rwmf.kernel.numbers import show
 

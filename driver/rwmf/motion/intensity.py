@@ -16,8 +16,7 @@ from rwmf.case import Case, Motion
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError, did_you_mean
 from rwmf.kernel.numbers import show, to_array, to_number
-from rwmf.motion.reader import read_bytes, read_channels
-from rwmf.motion.record_sets import RecordFile, find_records
+from rwmf.motion.record_sets import RecordFile, find_records, read_bytes, read_channels
 from rwmf.motion.waveform import (
     Array,
     Waveform,

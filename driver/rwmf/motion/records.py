@@ -22,7 +22,7 @@ from rwmf.kernel.numbers import show, to_array, to_number, to_whole
 from rwmf.kernel.tables import unusual_record
 from rwmf.motion.formats import Channel
 from rwmf.motion.intensity import DAMPING, G
-from rwmf.motion.reader import read_bytes, read_channels
+from rwmf.motion.record_sets import read_bytes, read_channels
 from rwmf.motion.waveform import Array, Waveform, pseudo_accelerations, waveform_of
 
 _IN_SI = {"m/s2": 1.0, "cm/s2": 0.01}

@@ -30,9 +30,17 @@ from rwmf.motion.formats import (
     unit_of_cell,
 )
 from rwmf.motion.intensity import DAMPING, G, waveform_of_record
-from rwmf.motion.lists import SUITE_HEADER, decimal_point, separator_of
-from rwmf.motion.reader import VERTICAL, component_of, read_bytes
-from rwmf.motion.record_sets import RecordFile, components, find_records
+from rwmf.motion.record_sets import (
+    SUITE_HEADER,
+    VERTICAL,
+    RecordFile,
+    component_of,
+    components,
+    decimal_point,
+    find_records,
+    read_bytes,
+    separator_of,
+)
 from rwmf.motion.waveform import pseudo_accelerations
 
 
