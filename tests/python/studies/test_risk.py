@@ -597,6 +597,8 @@ test_hazards_that_are_refused = refused_files(
     ("intensity,return_period\n0.1,475\n0.2,100", "line 3: frequency = 0.01: must not grow"),
     ("intensity,return_period\n0.1,0\n0.2,100", "line 2: return_period = 0"),
     ("intensity,poe_50\n0.1,1\n0.2,1", "has 0 point"),
+    ("intensity,poe_0\n0.1,0.1\n1,0.01", "line 1: the column poe_0 states no years"),
+    ("intensity,frequency\n0.1,-1\n1,0.1", "line 2: frequency = -1: must be .* number > 0$"),
     (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.01], [0.1, 0.01]), "has 2 sites"),
     (_openquake(1.0, "IA", [0.1, 1.0], [0.1, 0.01]), "line 1: must state .* PGA, SA, AvgSA"),
     (_openquake(1.0, "PGV", [0.1, 1.0], [0.1, 0.01]), "PGV is in cm/s, .* fragility in g"),
