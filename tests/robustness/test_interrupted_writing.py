@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from checkout import BATCH, run_words
 from rwmf.errors import Interrupted
-from rwmf.kernel.kernel_thread import write
+from rwmf.kernel.marshalling import write
 
 RUN = """&wall h = 2.0, b = 0.5 /
 &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /

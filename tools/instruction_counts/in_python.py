@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import rwmf
-from rwmf.kernel import kernel_thread, tables
+from rwmf.kernel import marshalling, tables
 
 # longer than any call: the thread that waits for the kernel wakes up once
 _FOREVER = 1e6
@@ -38,7 +38,7 @@ def main() -> None:
     """Make every call a few times, the last one counted."""
     library, *words = sys.argv[1:]
     marks = ctypes.CDLL(library)
-    kernel_thread._POLL_SECONDS = _FOREVER
+    marshalling._POLL_SECONDS = _FOREVER
     sys.setswitchinterval(_FOREVER)
     print(tables.instruction_set())
     for kind, name, file in zip(words[::3], words[1::3], words[2::3], strict=True):

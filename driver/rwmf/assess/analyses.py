@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 import xarray as xr
 
 from rwmf.assess.table import describe, read_table, table_of, write_table
@@ -21,8 +22,7 @@ from rwmf.errors import InputError
 from rwmf.kernel import files, tables
 from rwmf.kernel.names import readable
 from rwmf.kernel.numbers import show, to_array, to_number
-from rwmf.motion.intensity import choose_intensity, scale_to_one
-from rwmf.motion.measures import Intensity
+from rwmf.motion.intensity import Intensity, choose_intensity, scale_to_one
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import default_quantity, fallen, find_quantities
 from rwmf.sweeps.computation import SweepOptions, path_of_store, sweep
@@ -37,6 +37,8 @@ _TOLERANCE = 0.02
 # steps of the hunt beyond the levels, upwards and downwards, and its ends
 _UP, _DOWN = 1.5, 0.5
 _HIGHEST, _LOWEST = 4.0, 1 / 64
+# columns that say which design and record a run has, by their numbers
+_KEYS = ["case", "number"]
 
 
 class AnalysisOptions(SweepOptions, total=False):
@@ -109,8 +111,8 @@ def ida(
 
     All records run at all levels. Then each record is scaled further until it reaches its
     capacity, and between the two nearest levels the capacity is bisected in the logarithm. The
-    capacity is the lowest run level at which the wall overturns, the frame collapses or a demand
-    exceeds its limit.
+    capacity is the lowest run level at which the wall overturns, the frame collapses or the
+    magnitude of a demand exceeds its limit.
 
     Parameters
     ----------
@@ -152,7 +154,7 @@ def ida(
     found = _limits(limits)
     names = [] if quantities is None else texts_of("quantities", quantities)
     suite, options = _suite("ida", case, records, [*names, *found], further)
-    ladder = levels_of(levels)
+    ladder = np.unique(levels)
     top = _HIGHEST * float(ladder[-1])
     if highest is not None:
         top = to_number("highest", highest, above=0.0)
@@ -191,7 +193,7 @@ def stripes(
         As `rwmf.ida`.
     """
     suite, options = _suite("stripes", case, records, quantities, further)
-    return _run(suite, options, {"levels": levels_of(levels).tolist()})
+    return _run(suite, options, {"levels": np.unique(levels).tolist()})
 
 
 @checked
@@ -257,11 +259,6 @@ def designs_of(case: Designs) -> dict[str, Case]:
     }
 
 
-def levels_of(levels: Sequence[float]) -> Array:
-    """Check levels of intensity."""
-    return np.unique(to_array("levels", levels, above=0.0, least=1))
-
-
 def _limits(limits: Mapping[str, float] | None) -> dict[str, float]:
     if limits is None:
         return {}
@@ -297,7 +294,7 @@ class _Search:
         """Find the runs at or above capacity."""
         found = fallen(table)
         for name, limit in self.limits.items():
-            found |= table[name].values > limit
+            found |= np.abs(table[name].values) > limit
         return found
 
     def next_level(self, levels: Array, reached: npt.NDArray[np.bool_]) -> float | None:
@@ -379,9 +376,8 @@ def _run(
     while search is not None and (further := list(_next_points(suite, table, search))):
         more, others = stages.run(further)
         warnings += others
-        table = {name: np.concatenate([table[name], more[name]]) for name in table}
-    order = np.lexsort([table["intensity"], table.pop("number"), table.pop("case")])
-    columns = {name: values[order] for name, values in table.items()}
+        table = pd.concat([table, more])
+    columns = table.sort_values([*_KEYS, "intensity"]).drop(columns=_KEYS)
     # stages of a search repeat the warnings of the first one with other numbers
     lines = [
         f"{name}: {line}"
@@ -412,17 +408,15 @@ def _is_other(path: Path, request: str, restart: bool) -> bool:
 
 
 def _next_points(
-    suite: Suite, table: Mapping[str, npt.NDArray[Any]], search: _Search
+    suite: Suite, table: pd.DataFrame, search: _Search
 ) -> Iterator[tuple[str, int, float]]:
     """Yield the next run of every record whose search goes on."""
-    rows = table_of({k: v for k, v in table.items() if k not in ("case", "number")}, {})
-    reached = search.reached(rows)
-    for i, name in enumerate(suite.designs):
-        for record in range(len(suite.records)):
-            own = (table["case"] == i) & (table["number"] == record)
-            level = search.next_level(table["intensity"][own], reached[own])
-            if level is not None:
-                yield name, record, level
+    reached = search.reached(table_of(table.drop(columns=_KEYS), {}))
+    names = list(suite.designs)
+    for (i, record), own in table.reset_index().groupby(_KEYS):
+        level = search.next_level(own["intensity"].to_numpy(), reached[own.index])
+        if level is not None:
+            yield names[i], record, level
 
 
 class _Stages:
@@ -440,7 +434,7 @@ class _Stages:
 
     def run(
         self, points: list[tuple[str, int, float]]
-    ) -> tuple[dict[str, npt.NDArray[Any]], list[tuple[str, str]]]:
+    ) -> tuple[pd.DataFrame, list[tuple[str, str]]]:
         """Run points (design, number of the record, factor) and return columns and warnings."""
         parts, warnings = [], []
         for number, design in enumerate(self._suite.designs):
@@ -450,11 +444,11 @@ class _Stages:
                 parts.append(found)
                 warnings += [(design, line) for line in lines]
         self._stage += 1
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}, warnings
+        return pd.concat(parts), warnings
 
     def _sweep(
         self, number: int, design: str, own: list[tuple[int, float]]
-    ) -> tuple[dict[str, npt.NDArray[Any]], list[str]]:
+    ) -> tuple[pd.DataFrame, list[str]]:
         suite = self._suite
         which = np.array([record for record, _ in own])
         steps = np.array([step for _, step in own])
@@ -487,7 +481,7 @@ class _Stages:
                 "case": np.full(which.size, number),
                 "number": which,
             }
-            return columns, str(found.attrs["warnings"]).splitlines()
+            return pd.DataFrame(columns), str(found.attrs["warnings"]).splitlines()
 
     def remove(self) -> None:
         """Remove the files of all stages after the table is complete."""

@@ -16,7 +16,7 @@ import numpy.typing as npt
 import xarray as xr
 from scipy.special import log_ndtr
 
-from rwmf.assess.fits import exceedance
+from rwmf.assess.fragility_curves import exceedance
 from rwmf.assess.table import read_columns, warnings_of
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
@@ -104,7 +104,7 @@ def hazard_of(value: Any, unit: str = "g") -> Hazard:  # noqa: ANN401 (several f
             return _from_columns(found, "hazard", unit)
     if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 2:
         table = to_array("hazard", value.ravel())
-        return _through(table[::2], table[1::2], "hazard")
+        return _from_columns({"intensity": table[::2], "frequency": table[1::2]}, "hazard", unit)
     items = to_items(value)
     if items is not None and len(items) == 2 and np.ndim(items[0]) == 0:
         return _power_law(*items)
@@ -144,9 +144,8 @@ def _from_columns(
     if len(columns) != 2:
         raise InputError(f"{head}: has {len(columns)} columns: must have two, {_COLUMNS}")
     names = {read_column_name(name): values for name, values in columns.items()}
-    for one, other in ((0, 1), (1, 0)):
-        level, rate = (list(names)[i] for i in (one, other))
-        if level is not rate and _is_intensity(level) and _quantity(rate):
+    for level, rate in itertools.permutations(names, 2):
+        if _is_intensity(level) and _quantity(rate):
             break
     else:
         raise InputError(f"{head}: the columns are {', '.join(columns)}: must be {_COLUMNS}")
@@ -160,6 +159,8 @@ def _from_columns(
         f"line {n}" for n in lines[1]
     ]  # fmt: skip
     x, y = factor * names[level], names[rate] * (rate.factor if rate.dimension == "share" else 1.0)
+    if len(x) != len(y):
+        raise InputError(f"{source}: has {len(x)} intensities and {len(y)} frequencies")
     quantity = _quantity(rate)
     if quantity == "probability":
         return _from_probabilities(x, y, _years(rate, head), source, where)
@@ -193,9 +194,14 @@ def _from_openquake(path: Path, columns: Mapping[str, Array], unit: str) -> Haza
     x = factor * np.array([_level(name, path) for name in known])
     years = to_number(f"{path}, line 1: investigation_time", float(stated[1]), above=0.0)
     found = _from_probabilities(x, np.array(list(known.values())), years, f"{path}", list(known))
-    lost = len(levels) - len(known)
-    text = f"hazard: {lost} point{'' if lost == 1 else 's'} of probability 0 left out"
-    return replace(found, warnings=(*found.warnings, text) if lost else found.warnings)
+    lost = _left_out(len(levels) - len(known), 0)
+    return replace(found, warnings=(*found.warnings, *lost))
+
+
+def _left_out(lost: int, probability: int) -> tuple[str, ...]:
+    """Return the warning about points that give no frequency."""
+    points = f"{lost} point{'' if lost == 1 else 's'}"
+    return (f"hazard: {points} of probability {probability} left out",) if lost else ()
 
 
 def _level(name: str, path: Path) -> float:
@@ -259,26 +265,16 @@ def _from_probabilities(
         source,
         [place for place, is_used in zip(where, used, strict=True) if is_used],
     )
-    lost = int(np.sum(~used))
-    text = f"hazard: {lost} point{'' if lost == 1 else 's'} of probability 1 left out"
-    return replace(found, warnings=(text,) if lost else ())
+    return replace(found, warnings=_left_out(int(np.sum(~used)), 1))
 
 
-def _through(x: Array, y: Array, source: str, places: Sequence[str] | None = None) -> Hazard:
+def _through(x: Array, y: Array, source: str, where: Sequence[str]) -> Hazard:
     """Make the curve through points; the two ends are continued."""
-    where = [f"row {i}" for i in range(len(x))] if places is None else places
-    if len(x) != len(y):
-        raise InputError(f"{source}: has {len(x)} intensities and {len(y)} frequencies")
     if len(x) < 2:
         raise InputError(f"{source}: has {len(x)} point: must have at least 2")
-    for name, values in (("intensity", x), ("frequency", y)):
-        wrong = ~(np.isfinite(values) & (values > 0))
-        if wrong.any():
-            i = int(np.argmax(wrong))
-            hint = "; leave out points of no frequency" if values[i] == 0 else ""
-            raise InputError(
-                f"{source}, {where[i]}: {name} = {values[i]:g}: must be a finite number > 0{hint}"
-            )
+    _check(x > 0, source, where, "intensity", x)
+    hint = "; leave out points of no frequency" if (y == 0).any() else ""
+    _check(y > 0, source, where, "frequency", y, _POSITIVE + hint)
     order = np.argsort(x, kind="stable")
     u, v = np.log(x[order]), np.log(y[order])
     for i in range(1, len(u)):
@@ -355,7 +351,7 @@ def risk(
     curves, samples = _fragilities(fragility)
     curve = hazard_of(hazard, unit_of(fragility))
     medians, dispersions = curves["median"].values, curves["dispersion"].values
-    closed = np.array([closed_form(curve, m, b) for m, b in zip(medians, dispersions, strict=True)])
+    closed = closed_form(curve, medians, dispersions)
     _check_range(curves, closed)
     edges = _edges(levels, medians, dispersions)
     parts = np.array(
@@ -489,11 +485,11 @@ def _fragilities(value: Any) -> tuple[xr.Dataset, xr.Dataset | None]:  # noqa: A
         if len(found["median"]) != len(found["dispersion"]):
             raise InputError("fragility: median and dispersion differ in their length")
         names, attrs, samples = [str(i + 1) for i in range(len(found["median"]))], {}, None
-    for name, design in zip(names, range(len(names)), strict=True):
+    for name, median, dispersion in zip(names, *found.values(), strict=True):
         label = f"fragility{f' of {name}' if len(names) > 1 else ''}"
-        to_number(f"{label}: median", found["median"][design], above=0.0)
-        if to_number(f"{label}: dispersion", found["dispersion"][design]) < 0:
-            raise InputError(f"{label}: dispersion = {found['dispersion'][design]:g}: must be >= 0")
+        to_number(f"{label}: median", median, above=0.0)
+        if to_number(f"{label}: dispersion", dispersion) < 0:
+            raise InputError(f"{label}: dispersion = {dispersion:g}: must be >= 0")
     curves = xr.Dataset(
         {name: ("design", np.asarray(item, dtype=float)) for name, item in found.items()},
         coords={"design": ("design", np.asarray(names, dtype=object))},
@@ -505,7 +501,7 @@ def _fragilities(value: Any) -> tuple[xr.Dataset, xr.Dataset | None]:  # noqa: A
 def _edges(levels: Sequence[float] | None, medians: Array, dispersions: Array) -> Array:
     """Return the given edges of the bins, or round ones around all medians."""
     if levels is not None:
-        edges = to_array("levels", levels, above=0.0, least=1)
+        edges = np.array(levels)
         if (np.diff(edges) <= 0).any():
             raise InputError(f"levels = {show(levels)}: must ascend")
         return edges

@@ -107,10 +107,6 @@ class Row:
         # NaN where the case has no wall or no impact, but not for the peak
         return max([self.relative_error, *(error for error in others if not math.isnan(error))])
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the values as the keys of ``rwmf cost --json``."""
-        return dataclasses.asdict(self)
-
 
 @dataclasses.dataclass(frozen=True)
 class Cost:
@@ -162,15 +158,7 @@ class Cost:
         dict
             Values by key; rows as dictionaries.
         """
-        return {
-            "reference": self.reference,
-            "rows": [row.to_dict() for row in self.rows],
-            "practices": [row.to_dict() for row in self.practices],
-            "target": self.target,
-            "recommended": None if self.recommended is None else self.recommended.to_dict(),
-            "disagreement": self.disagreement,
-            "note": self.note,
-        }
+        return dataclasses.asdict(self) | {"note": self.note}
 
 
 @checked

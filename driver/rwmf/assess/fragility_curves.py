@@ -11,25 +11,255 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy.special import erfcx, log_ndtr, ndtr
 
-from rwmf.assess.fits import (
-    BELOW,
-    EXACT,
-    OVER,
-    Fit,
-    exceedance,
-    fit_capacities,
-    fit_cloud,
-    fit_counts,
-)
 from rwmf.assess.loss import shape_factor_of
 from rwmf.assess.table import quantities_of, read_table, warnings_of
-from rwmf.case.arguments import checked, texts_of
+from rwmf.case.arguments import checked
 from rwmf.errors import InputError
-from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
+from rwmf.kernel.numbers import show, to_array, to_number, to_whole
 from rwmf.run.quantities import fallen
 
 Array = npt.NDArray[np.float64]
+
+
+def exceedance(intensity: npt.ArrayLike, median: npt.ArrayLike, dispersion: npt.ArrayLike) -> Array:
+    """Compute the probability that a lognormal capacity is exceeded."""
+    x, median, dispersion = (np.asarray(a, dtype=float) for a in (intensity, median, dispersion))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        argument = np.log(x / median) / dispersion
+    return np.where(dispersion > 0, ndtr(np.nan_to_num(argument, nan=0.0)), x > median) * 1.0
+
+
+# kinds of observations: of the value itself, of a value above, of a value below
+EXACT, OVER, BELOW = 0, -1, 1
+_ITERATIONS = 200
+_CONVERGED = 1e-13
+_HALVINGS = 40
+
+
+@dataclass(frozen=True)
+class Observations:
+    """Observations of standard normal variables z = coefficients @ parameters.
+
+    Attributes
+    ----------
+    coefficients : numpy.ndarray, shape (n, p)
+        Linear map from the parameters to z. Where observations are exact, the last parameter is
+        the inverse standard deviation.
+    kinds : numpy.ndarray of int, shape (n,)
+        ``EXACT`` (density of z), ``BELOW`` (probability up to z) or ``OVER`` (above z).
+    """
+
+    coefficients: Array
+    kinds: npt.NDArray[np.int64]
+
+    def value(self, weights: Array, parameters: Array) -> tuple[Array, Array, Array]:
+        """Compute log-likelihoods with gradient and Hessian."""
+        p = parameters.shape[1]
+        z = parameters @ self.coefficients.T
+        exact = self.kinds == EXACT
+        value, slope, curvature = -0.5 * z**2, -z, -np.ones_like(z)
+        sign = self.kinds[~exact]
+        if sign.size:
+            argument = sign * z[:, ~exact]
+            # density over distribution function
+            hazard = math.sqrt(2 / math.pi) / erfcx(-argument / math.sqrt(2))
+            value[:, ~exact] = log_ndtr(argument)
+            slope[:, ~exact] = sign * hazard
+            curvature[:, ~exact] = -hazard * (argument + hazard)
+        total = np.sum(weights * value, axis=1)
+        gradient = (weights * slope) @ self.coefficients
+        squares = np.einsum("np,nq->npq", self.coefficients, self.coefficients).reshape(
+            len(z.T), -1
+        )
+        hessian = ((weights * curvature) @ squares).reshape(-1, p, p)
+        if exact.any():
+            n = weights[:, exact].sum(axis=1)
+            scale = parameters[:, -1]
+            with np.errstate(invalid="ignore", divide="ignore"):
+                total = np.where(scale > 0, total + n * np.log(scale), -np.inf)
+            gradient[:, -1] += n / scale
+            hessian[:, -1, -1] -= n / scale**2
+        return total, gradient, hessian
+
+
+def maximise(observations: Observations, weights: Array, start: Array) -> Array:
+    """Find the parameters of maximum likelihood of every resample."""
+    found = np.tile(start.astype(float), (len(weights), 1))
+    value, gradient, hessian = observations.value(weights, found)
+    active = np.arange(len(weights))
+    for _ in range(_ITERATIONS):
+        # pseudo-inverse: a resample may leave one direction undetermined
+        inverse = np.linalg.pinv(hessian, rcond=1e-14, hermitian=True)
+        step = -np.einsum("bpq,bq->bp", inverse, gradient)
+        for _ in range(_HALVINGS):
+            trial = found[active] + step
+            new = observations.value(weights[active], trial)
+            worse = ~(new[0] >= value - 1e-13 * np.abs(value))
+            if not worse.any():
+                break
+            step[worse] *= 0.5
+        found[active] = trial
+        size = np.abs(step).max(axis=1) / np.abs(trial).max(axis=1)
+        kept = size > _CONVERGED
+        active = active[kept]
+        if not active.size:
+            break
+        value, gradient, hessian = (part[kept] for part in new)
+    return found
+
+
+Kinds = npt.NDArray[np.int64]
+# a smaller deviation of logarithms is rounding
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Fitted distributions of the sample or of its resamples.
+
+    Attributes
+    ----------
+    median : numpy.ndarray, shape (b,)
+        Medians; infinite where no run exceeds, 0 where every run does, NaN where the probability
+        does not grow.
+    dispersion : numpy.ndarray, shape (b,)
+        Standard deviations of the logarithm [-]; NaN without a fit, 0 for a step.
+    slope : numpy.ndarray, shape (b,), optional
+        Exponent of the intensity in the median demand of a cloud.
+    scatter : numpy.ndarray, shape (b,), optional
+        Standard deviation of the logarithm of its demand [-].
+    """
+
+    median: Array
+    dispersion: Array
+    slope: Array | None = None
+    scatter: Array | None = None
+
+    def __getitem__(self, part: slice) -> Fit:
+        """Return the fits of some resamples."""
+        optional = (None if item is None else item[part] for item in (self.slope, self.scatter))
+        return Fit(self.median[part], self.dispersion[part], *optional)
+
+
+def fit_counts(levels: Array, exceeded: Array, runs: Array) -> Fit:
+    """Fit counts of exceedance by maximum likelihood (Baker 2015, Earthquake Spectra 31(1))."""
+    n = len(exceeded)
+    median, dispersion = np.full(n, math.nan), np.full(n, math.nan)
+    regular = np.zeros(n, dtype=bool)
+    for i in range(n):
+        used = runs[i] > 0
+        step = _step(levels[used], exceeded[i, used], runs[i, used])
+        if step is None:
+            regular[i] = True
+        else:
+            median[i] = step
+            dispersion[i] = 0.0 if 0 < step < math.inf else math.nan
+    if regular.any():
+        x = np.log(levels)
+        centre, spread = float(x.mean()), float(x.std())
+        rows = np.column_stack([np.ones(x.size), (x - centre) / spread])
+        sample = Observations(np.vstack([rows, rows]), np.repeat([BELOW, OVER], x.size))
+        weights = np.hstack([exceeded, runs - exceeded])[regular]
+        a, b = maximise(sample, weights, np.array([0.0, 1.0])).T
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            grows = b > _ROUNDING
+            median[regular] = np.where(grows, np.exp(centre - spread * a / b), math.nan)
+            dispersion[regular] = np.where(grows, spread / b, math.nan)
+    return Fit(median, dispersion)
+
+
+def _step(levels: Array, exceeded: Array, runs: Array) -> float | None:
+    """Return the median of counts that step from none to all, None for others."""
+    if not exceeded.any():
+        return math.inf
+    if (exceeded == runs).all():
+        return 0.0
+    none, every = exceeded == 0, exceeded == runs
+    last = levels[~every].max()
+    first = levels[~none].min()
+    if first > last:
+        return math.sqrt(first * last)
+    if first < last:
+        return None
+    # a single level between none and all has an ever steeper curve; at an end its median may lie
+    # anywhere beyond
+    share = float(exceeded[levels == first][0] / runs[levels == first][0])
+    if first == levels.max() and share <= 0.5:
+        return math.inf
+    return 0.0 if first == levels.min() and share >= 0.5 else float(first)
+
+
+def fit_capacities(logarithms: Array, kinds: Kinds, weights: Array) -> Fit:
+    """Fit capacities of records; the dispersion has n - 1 degrees of freedom."""
+    n = len(weights)
+    mean, scatter = np.full(n, math.nan), np.full(n, math.nan)
+    regular = np.zeros(n, dtype=bool)
+    for i in range(n):
+        y, kind = logarithms[weights[i] > 0], kinds[weights[i] > 0]
+        exact = y[kind == EXACT]
+        if exact.size == 0:
+            mean[i] = math.inf if (kind == OVER).all() else -math.inf
+        elif (
+            np.ptp(exact) <= _ROUNDING * max(1.0, np.abs(exact).max())
+            and (y[kind == OVER] <= exact[0]).all()
+            and (y[kind == BELOW] >= exact[0]).all()
+        ):
+            # one value satisfies all bounds
+            mean[i], scatter[i] = exact[0], 0.0
+        else:
+            regular[i] = True
+    if regular.any():
+        exact_y = logarithms[kinds == EXACT]
+        centre, spread = float(exact_y.mean()), float(exact_y.std()) or 1.0
+        y = (logarithms - centre) / spread
+        sample = Observations(np.column_stack([-np.ones(y.size), y]), kinds)
+        d, g = maximise(sample, weights[regular], np.array([0.0, 1.0])).T
+        mean[regular] = centre + spread * d / g
+        scatter[regular] = spread / g
+    total = weights.sum(axis=1)
+    return Fit(np.exp(mean), scatter * np.sqrt(total / np.maximum(total - 1, 1)))
+
+
+def fit_cloud(
+    intensities: Array, demands: Array, kinds: Kinds, weights: Array, limit: float
+) -> Fit:
+    """Fit a power law of the intensity with lognormal scatter to a cloud of demands."""
+    n = len(weights)
+    median, scatter, slope = (np.full(n, math.nan) for _ in range(3))
+    exact = kinds == EXACT
+    line = np.linalg.lstsq(_powers(intensities[exact]), demands[exact])[0]
+    rest = demands - _powers(intensities) @ line
+    spread = float(rest[exact].std())
+    is_line = spread <= _ROUNDING * max(1.0, np.abs(demands[exact]).max())
+    if is_line and (rest[~exact] <= _ROUNDING).all():
+        scatter[:], slope[:] = 0.0, line[1]
+        median[:] = np.exp((limit - line[0]) / line[1])
+        return Fit(median, scatter * 0.0, slope, scatter)
+    distinct = np.array([np.unique(intensities[exact & (row > 0)]).size for row in weights])
+    # three different points determine line and scatter
+    regular = distinct > 2
+    centre = float(intensities.mean())
+    spread = spread if not is_line else 1.0
+    x, y = intensities - centre, rest / spread
+    sample = Observations(np.column_stack([-np.ones(x.size), -x, y]), kinds)
+    d, e, g = maximise(sample, weights[regular], np.array([0.0, 0.0, 1.0])).T
+    b = line[1] + spread * e / g
+    a = line[0] + line[1] * centre + spread * d / g
+    total = weights[regular].sum(axis=1)
+    sigma = spread / g * np.sqrt(total / (total - 2))
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        median[regular] = np.where(b > _ROUNDING, np.exp(centre + (limit - a) / b), math.nan)
+        slope[regular], scatter[regular] = b, sigma
+        dispersion = np.where(np.isnan(median), math.nan, scatter / slope)
+    return Fit(median, dispersion, slope, scatter)
+
+
+def _powers(x: Array) -> Array:
+    return np.column_stack([np.ones(x.size), x])
+
+
 METHODS = ("counts", "capacities", "cloud")
 _OF_ANALYSIS = {"ida": "capacities", "stripes": "counts", "cloud": "cloud"}
 COLLAPSE = "collapse"
@@ -55,6 +285,10 @@ class _Question:
         Demand, or ``collapse``.
     limit : float
         Limit in the quantity's unit; NaN for collapse.
+    further : float
+        Dispersion besides that of the records [-].
+    confidence : float
+        Probability of the bands [-].
     resamples : int
         Bootstrap resamples.
     seed : int
@@ -64,6 +298,8 @@ class _Question:
     method: str
     quantity: str
     limit: float
+    further: float
+    confidence: float
     resamples: int
     seed: int
 
@@ -77,8 +313,12 @@ class _Question:
         down = fallen(table)
         if self.quantity == COLLAPSE:
             return down, down | (table["status"].values.astype(str) == "ok")
-        values = table[self.quantity].values
+        values = self.demands(table)
         return down | (values > self.limit), down | ~np.isnan(values)
+
+    def demands(self, table: xr.Dataset) -> Array:
+        """Return the magnitudes of the demand; residual drifts have a sign."""
+        return np.asarray(np.abs(table[self.quantity].values))
 
 
 @checked
@@ -107,8 +347,8 @@ def fragility(
         of another program needs the columns ``intensity``, a demand and ``status``. A table
         with ``intensity``, ``exceeded`` and ``runs`` holds counts.
     limit : float, optional
-        Limit of the demand in its unit; overturned and collapsed runs exceed every limit. Without
-        it the curve is that of collapse or overturning.
+        Limit of the demand's magnitude in its unit; overturned and collapsed runs exceed every
+        limit. Without it the curve is that of collapse or overturning.
     quantities : str, optional
         The demand; optional for a table with one demand.
     levels, exceeded, runs : array_like, shape (n,)
@@ -149,23 +389,30 @@ def fragility(
         When an argument is not acceptable, or when no run or every run exceeds the limit, so that
         no fit exists.
     """
-    options = _options(confidence, dispersions)
-    if levels is not None or exceeded is not None:
+    further = to_array("dispersions", dispersions)
+    if (further < 0).any():
+        raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
+    if any(item is not None for item in (levels, exceeded, runs)):
         if table is not None:
             raise InputError("fragility: takes a table, or levels with exceeded and runs, not both")
         table = {"intensity": levels, "exceeded": exceeded, "runs": runs}
     if table is None:
         raise InputError("fragility: needs a table, or levels with exceeded and runs")
     rows = _rows_of(table)
-    resamples, seed = to_whole("resamples", resamples, 0, 10**6), to_whole("seed", seed, 0)
-    question = _question(rows, limit, quantities, method, resamples, seed)
+    question = _Question(
+        *_asked(rows, limit, quantities, method),
+        math.hypot(*further),
+        to_number("confidence", confidence, above=0.0, below=1.0),
+        to_whole("resamples", resamples, 0, 10**6),
+        to_whole("seed", seed, 0),
+    )
     names = list(dict.fromkeys(rows["design"].values.tolist()))
     parts = []
     notes: list[str] = []
     for name in names:
         own = rows.isel(row=np.flatnonzero(rows["design"].values == name))
         label = f"fragility{f' of {name}' if len(names) > 1 else ''}"
-        part, lines = _one(own, question, options, label)
+        part, lines = _one(own, question, label)
         parts.append(part)
         notes += [f"{name}: {line}" if len(names) > 1 else line for line in lines]
     found = _together(parts, names)
@@ -179,20 +426,11 @@ def fragility(
     found.attrs = attrs | {
         "quantity": question.quantity,
         "method": question.method,
-        "confidence": options["confidence"],
-        "seed": seed,
+        "confidence": question.confidence,
+        "seed": question.seed,
         "warnings": "\n".join([*warnings_of(rows), *notes]),
     }
     return found.squeeze("design") if len(names) == 1 else found
-
-
-def _options(confidence: float, dispersions: float | Sequence[float]) -> dict[str, Any]:
-    confidence = to_number("confidence", confidence, above=0.0, below=1.0)
-    items = to_items(dispersions)
-    further = to_array("dispersions", [dispersions] if items is None else items)
-    if (further < 0).any():
-        raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
-    return {"confidence": confidence, "further": math.hypot(*further)}
 
 
 def _rows_of(table: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
@@ -226,43 +464,35 @@ def _rows_of(table: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
     return rows
 
 
-def _question(
-    rows: xr.Dataset,
-    limit: float | None,
-    quantities: str | Sequence[str] | None,
-    method: str | None,
-    resamples: int,
-    seed: int,
-) -> _Question:
+def _asked(
+    rows: xr.Dataset, limit: float | None, quantities: Sequence[str] | None, method: str | None
+) -> tuple[str, str, float]:
+    """Return the method, the demand and its limit."""
     if method is not None and not (isinstance(method, str) and method in METHODS):
         raise InputError(f"method = {show(method)}: must be one of {', '.join(METHODS)}")
     if "exceeded" in rows:
-        if limit is not None or method not in (None, "counts"):
-            raise InputError("fragility: counts take no limit and no other method")
-        return _Question("counts", COLLAPSE, math.nan, resamples, seed)
+        if limit is not None or quantities or method not in (None, "counts"):
+            raise InputError("fragility: counts take no limit, no quantity and no other method")
+        return "counts", COLLAPSE, math.nan
     quantity = COLLAPSE
     if limit is not None or quantities:
         if limit is None:
             raise InputError("fragility: limit: is missing: the limit of the quantity")
-        limit = to_number("limit", limit)
         quantity = _quantity(rows, quantities)
     usual = _OF_ANALYSIS.get(str(rows.attrs.get("analysis")), "counts")
     if quantity == COLLAPSE and "cloud" in (method or usual):
         if method == "cloud":
             raise InputError("fragility: the method cloud needs a limit of a demand")
         usual = "counts"
-    return _Question(
-        method or usual, quantity, math.nan if limit is None else limit, resamples, seed
-    )
+    return method or usual, quantity, math.nan if limit is None else limit
 
 
-def _quantity(rows: xr.Dataset, quantities: str | Sequence[str] | None) -> str:
+def _quantity(rows: xr.Dataset, names: Sequence[str] | None) -> str:
     known = quantities_of(rows)
-    if quantities is None:
+    if names is None:
         if len(known) != 1:
             raise InputError(f"fragility: quantities: must be one of {', '.join(known) or 'none'}")
         return known[0]
-    names = texts_of("quantities", quantities)
     if len(names) != 1:
         raise InputError(f"fragility: quantities = {', '.join(names)}: must be one quantity")
     if names[0] not in known:
@@ -272,33 +502,29 @@ def _quantity(rows: xr.Dataset, quantities: str | Sequence[str] | None) -> str:
     return names[0]
 
 
-def _one(
-    rows: xr.Dataset, question: _Question, options: Mapping[str, Any], label: str
-) -> tuple[xr.Dataset, list[str]]:
+def _one(rows: xr.Dataset, question: _Question, label: str) -> tuple[xr.Dataset, list[str]]:
     """Fit one design."""
     sample = {"counts": _counts, "capacities": _capacities, "cloud": _cloud}[question.method]
     _check_some(rows, question, label)
     points, fit, resampled = sample(rows, question, label)
     median, dispersion = float(fit.median[0]), float(fit.dispersion[0])
     notes = _notes(median, dispersion, points, rows)
-    total = math.hypot(dispersion, options["further"])
+    total = math.hypot(dispersion, question.further)
     unit = {"units": str(rows["intensity"].attrs.get("units", "g"))}
     one = {"units": "1"}
+    attrs = {} if question.quantity == COLLAPSE else rows[question.quantity].attrs
     found = xr.Dataset(
         {
             "median": ((), median, unit),
             "dispersion": ((), dispersion, one),
             "dispersion_total": ((), total, one),
-            "limit": ((), question.limit, _unit(rows, question)),
+            "limit": ((), question.limit, {"units": str(attrs.get("units", "1"))}),
             "fitted": ("intensity", exceedance(points["x"], median, total), one),
         },
         coords={"intensity": ("intensity", points["x"], unit)},
     )
     if fit.slope is not None and fit.scatter is not None:
-        found["demand_slope"], found["demand_dispersion"] = (
-            float(fit.slope[0]),
-            float(fit.scatter[0]),
-        )
+        found = found.assign(demand_slope=fit.slope[0], demand_dispersion=fit.scatter[0])
     if "exceeded" in points:
         with np.errstate(invalid="ignore"):
             share = points["exceeded"] / points["runs"]
@@ -312,26 +538,19 @@ def _one(
             record=("record", points["record"])
         )
     if resampled is not None:
-        found = _with_bands(found, resampled, options, question.resamples, notes)
+        found = _with_bands(found, resampled, question, notes)
     return found, notes
 
 
-def _unit(rows: xr.Dataset, question: _Question) -> dict[str, str]:
-    attrs = {} if question.quantity == COLLAPSE else rows[question.quantity].attrs
-    return {"units": str(attrs.get("units", "1"))}
-
-
-def _with_bands(
-    found: xr.Dataset, fit: Fit, options: Mapping[str, Any], n: int, notes: list[str]
-) -> xr.Dataset:
+def _with_bands(found: xr.Dataset, fit: Fit, question: _Question, notes: list[str]) -> xr.Dataset:
     """Add quantiles of the resamples by rank, in which infinite medians count."""
-    tail = 0.5 * (1 - options["confidence"])
+    tail, n = 0.5 * (1 - question.confidence), question.resamples
     tails = [tail, 1 - tail]
     usable = ~np.isnan(fit.median)
     lost = n - int(usable.sum())
     if lost:
         notes.append(f"{lost} of {n} resamples have no growing curve and are left out of the bands")
-    total = np.hypot(fit.dispersion, options["further"])
+    total = np.hypot(fit.dispersion, question.further)
     x = found["intensity"].values
     with np.errstate(invalid="ignore"):
         curves = exceedance(x[:, None], fit.median[None, usable], total[None, usable])
@@ -366,7 +585,7 @@ def _check_some(rows: xr.Dataset, question: _Question, label: str) -> None:
         if not known.any():
             raise InputError(f"{label}: {question.label}: no run has a result")
         none, every = not over[known].any(), bool(over[known].all())
-        values = rows[question.quantity].values[known] if question.quantity != COLLAPSE else ()
+        values = question.demands(rows)[known] if question.quantity != COLLAPSE else ()
         extremes = {"smallest": np.min, "largest": np.max}
         ends = tuple(
             f": the {word} {question.quantity} is {find(values):.6g}, the limit {question.limit:g}"
@@ -494,7 +713,7 @@ def _capacities(
     """Fit the intensities at which the records reach the limit."""
     over, known = question.exceeded(rows)
     names = list(dict.fromkeys(rows["record"].values.tolist()))
-    demands = None if question.quantity == COLLAPSE else rows[question.quantity].values
+    demands = None if question.quantity == COLLAPSE else question.demands(rows)
     found = []
     for name in names:
         own = np.flatnonzero((rows["record"].values == name) & known)
@@ -557,7 +776,7 @@ def _cloud(
 ) -> tuple[dict[str, Any], Fit, Fit | None]:
     """Fit a power law; the demand of a collapsed run lies above the limit and above its maximum."""
     _, known = question.exceeded(rows)
-    demands = rows[question.quantity].values
+    demands = question.demands(rows)
     down = fallen(rows) | np.isposinf(demands)
     if question.limit <= 0:
         raise InputError(f"{label}: limit = {question.limit:g}: must be > 0 in a cloud")

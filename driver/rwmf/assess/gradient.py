@@ -8,8 +8,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from rwmf.assess.held_keys import Parameter, find_parameters
-from rwmf.assess.lanes import RECORD, Lanes, Scenes, Statistic, Steps, SuiteStatistic
+from rwmf.assess.lanes import (
+    RECORD,
+    Lanes,
+    Parameter,
+    Scenes,
+    Statistic,
+    Steps,
+    SuiteStatistic,
+    find_parameters,
+)
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.arguments import case_of, checked, texts_of
 from rwmf.errors import InputError

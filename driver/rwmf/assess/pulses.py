@@ -188,22 +188,16 @@ def overturning_map(
     case = case_of(case)
     wall = Wall.of(case)
     pulse = Pulse.of(case, "overturning")
-    levels = [float(value) for value in amplitude]
-    if not np.isfinite(levels).all() or levels != sorted(set(levels)):
-        raise InputError("overturning: the amplitudes must be finite and increase")
-    frequencies = [float(value) for value in omega_over_p]
-    if not all(0 < value < math.inf for value in frequencies):
-        raise InputError("overturning: the frequencies omega_over_p must be finite and > 0")
-    if not tolerance > 0:
-        raise InputError(f"overturning: tolerance = {tolerance:g}: must be > 0")
+    if list(amplitude) != sorted(set(amplitude)):
+        raise InputError("overturning: the amplitudes must increase")
 
     def follow(omega: float) -> tuple[list[int], list[_Boundary]]:
-        return _scan(pulse, wall, omega, levels, tolerance)
+        return _scan(pulse, wall, omega, amplitude, tolerance)
 
-    scans = _in_threads(follow, frequencies, threads, progress, "scan")
+    scans = _in_threads(follow, omega_over_p, threads, progress, "scan")
     outcomes = [outcome for outcome, _ in scans]
     boundaries = [item for _, found in scans for item in found]
-    found = _to_dataset(wall, frequencies, levels, outcomes, boundaries)
+    found = _to_dataset(wall, omega_over_p, amplitude, outcomes, boundaries)
     return found.assign(_factor(pulse, wall)).assign_attrs(origin_of(case), pulse=case.motion.kind)
 
 
@@ -216,7 +210,7 @@ def _factor(pulse: Pulse, wall: Wall) -> dict[str, tuple[tuple[()], float, dict[
 
 
 def _scan(
-    pulse: Pulse, wall: Wall, omega: float, levels: list[float], tolerance: float
+    pulse: Pulse, wall: Wall, omega: float, levels: Sequence[float], tolerance: float
 ) -> tuple[list[int], list[_Boundary]]:
     """Compute the outcomes at one frequency, and the boundaries between them."""
 
@@ -260,8 +254,8 @@ def _outcome(pulse: Pulse, wall: Wall, omega: float, amplitude: float) -> int:
 
 def _to_dataset(
     wall: Wall,
-    frequencies: list[float],
-    levels: list[float],
+    frequencies: Sequence[float],
+    levels: Sequence[float],
     outcomes: list[list[int]],
     boundaries: list[_Boundary],
 ) -> xr.Dataset:
@@ -352,17 +346,13 @@ def equal_response(
     if response.asked_by:
         case = case.replace(output={response.asked_by: True})
     pulse = Pulse.of(case, "equal response")
-    for word, value in (("target", target), ("tolerance", tolerance), *(("T_p", T) for T in T_p)):
-        if not 0 < value < np.inf:
-            raise InputError(f"equal response: {word} = {value:g}: must be finite and > 0")
-    periods = [float(value) for value in T_p]
     follow = _PERIODS_AFTER * period.value
 
     def find(T: float) -> float:
         return _climb(lambda size: _reaches(pulse.resized(size, T, follow), response, target),
                       tolerance)  # fmt: skip
 
-    amplitudes = _in_threads(find, periods, threads, progress, "period")
+    amplitudes = _in_threads(find, T_p, threads, progress, "period")
     unit = "" if response.unit == "1" else f" {response.unit}"
     text = f"amplitude over g for {name} = {target:g}{unit}"
     return xr.Dataset(
@@ -371,7 +361,7 @@ def equal_response(
             "target": ((), target, response.attributes),
             "T_s": ((), period.value, {"units": period.unit, "long_name": period.meaning}),
         },
-        {"T_p": ("T_p", periods, {"units": "s", "long_name": "period of the pulse"})},
+        {"T_p": ("T_p", T_p, {"units": "s", "long_name": "period of the pulse"})},
         origin_of(case) | {"quantity": name},
     )
 

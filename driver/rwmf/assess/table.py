@@ -16,14 +16,16 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 import xarray as xr
 
-from rwmf.case.arguments import checked, texts_of
+from rwmf.case.arguments import array_of, checked, texts_of
 from rwmf.errors import InputError
 from rwmf.kernel import files
 from rwmf.kernel.files import new_file, path_of
 from rwmf.kernel.names import readable, shorten
-from rwmf.kernel.numbers import first_masked, show, to_array
+from rwmf.kernel.numbers import first_masked, show, to_array, to_items
+from rwmf.run.arguments import dataset_of
 from rwmf.run.quantities import ENDINGS, fallen, find_quantities
 from rwmf.sweeps import netcdf
 from rwmf.sweeps.points import is_netcdf, read_csv, read_netcdf
@@ -208,16 +210,7 @@ def join(tables: Sequence[xr.Dataset]) -> xr.Dataset:
                 raise InputError(f"tables: differ in {key}: {old} and {new}: give both one measure")
     if len(tables) == 1:
         return first
-    names = dict.fromkeys(str(name) for table in tables for name in table.data_vars)
-    columns = {
-        name: np.concatenate(
-            [
-                table[name].values if name in table else np.full(table.sizes["row"], math.nan)
-                for table in tables
-            ]
-        )
-        for name in names
-    }
+    columns = pd.concat([table.to_dataframe() for table in tables])
     attributes = {
         key: value
         for key, value in first.attrs.items()
@@ -299,7 +292,7 @@ def demand_percentiles(
     quantities: str | Sequence[str] | None = None,
     q: Sequence[float] = _USUAL,
 ) -> xr.Dataset:
-    """Compute percentiles of demands over the records at each level, by ranks.
+    """Compute percentiles of demands, by magnitude and ranks, over the records at each level.
 
     The demand of a record between two of its levels is interpolated; above its first overturning or
     collapse it is infinite.
@@ -372,7 +365,7 @@ def _curves(rows: xr.Dataset, name: str, levels: Array) -> Array:
     names = rows["record"].values
     for record in dict.fromkeys(names.tolist()):
         own = rows.isel(row=np.flatnonzero(names == record))
-        x, y, down = own["intensity"].values, own[name].values, fallen(own)
+        x, y, down = own["intensity"].values, np.abs(own[name].values), fallen(own)
         first = x[down].min() if down.any() else math.inf
         upright = (x < first) & ~np.isnan(y)
         order = np.argsort(x[upright], kind="stable")
@@ -386,3 +379,61 @@ def _curves(rows: xr.Dataset, name: str, levels: Array) -> Array:
             curve[levels > (px[-1] if px.size else 0.0)] = math.inf
         found.append(curve)
     return np.array(found)
+
+
+def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
+    """Return a quantity of a sweep, infinite for overturning or collapse."""
+    stands = dataset["status"].copy(data=~fallen(dataset))
+    return dataset[name].where(stands, np.inf).assign_attrs(dataset[name].attrs)
+
+
+@checked
+def quantile(
+    dataset: xr.Dataset,
+    quantity: str = "u_s_max",
+    q: float | Sequence[float] = (0.16, 0.5, 0.84),
+    dim: str = "record",
+) -> xr.DataArray:
+    """Compute quantiles of a quantity over a suite; overturned and collapsed runs are infinite.
+
+    A quantile is the value of a run, by ranks, because no number lies between a finite and an
+    infinite one. It is infinite where too many runs overturned or collapsed; the quantiles of
+    xarray would use the last peaks of such runs.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.sweep`, `rwmf.spectrum` or an incremental dynamic analysis.
+    quantity : str
+        Variable of the dataset.
+    q : float or sequence of float
+        Shares of the runs at or below the quantile, in [0, 1].
+    dim : str
+        Dimension of the suite.
+
+    Returns
+    -------
+    xarray.DataArray
+        Quantiles over ``quantile`` (unless `q` is one number) and the other dimensions, without
+        failed runs.
+
+    Raises
+    ------
+    InputError
+        When the dataset lacks status, quantity or dimension, or a share is not in [0, 1].
+
+    Examples
+    --------
+    >>> rwmf.quantile(rwmf.sweep(case, records=suite), "u_s_max", 0.84)  # doctest: +SKIP
+    """
+    dataset = dataset_of(dataset, "rwmf.sweep, rwmf.spectrum or a study", "status")
+    if quantity not in dataset.data_vars or quantity == "status":
+        names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
+        raise InputError(f"quantity = {show(quantity)}: is not in the dataset, which has {names}")
+    shares = to_array("q", q, least=1)
+    if not ((shares >= 0) & (shares <= 1)).all():
+        raise InputError(f"q = {show(q)}: must be in [0, 1]")
+    values = array_of(with_overturning(dataset, quantity), dim)
+    # linear interpolation between a number and infinity would give infinity or NaN
+    found = values.quantile(shares, dim, method="inverted_cdf", keep_attrs=True, skipna=True)
+    return found.isel(quantile=0) if to_items(q) is None else found

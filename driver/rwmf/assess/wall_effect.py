@@ -9,7 +9,7 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 
-from rwmf.assess.statistics import with_overturning
+from rwmf.assess.table import with_overturning
 from rwmf.case import CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.case.case import groups_of_wall
@@ -18,7 +18,7 @@ from rwmf.kernel.numbers import to_number
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import ORDINATES as QUANTITIES
 from rwmf.run.quantities import find_quantities
-from rwmf.run.simulation import simulate
+from rwmf.run.simulation import NO_ACCURACY, simulate
 from rwmf.sweeps.axes import keys_of_axis, name_axes
 from rwmf.sweeps.computation import SweepOptions, sweep
 
@@ -65,8 +65,8 @@ def restitution(case: CaseLike, *, start: float = 0.5) -> xr.Dataset:
     pace = math.sqrt(3 * g / (4 * math.hypot(h, b)))
     free: Any = known.replace(
         motion={"kind": "none"},
-        initial={"theta_over_alpha": start},
-        solver={"t_end": 20 / pace, "rtol": 1e-9},
+        initial={"theta_over_alpha": start, "theta_dot": None},
+        solver={"t_end": 20 / pace, "rtol": 1e-9, **NO_ACCURACY},
         output={"dt": 0.002 / pace, "reactions": False, "conditioning": False},
     )
     response = simulate(free)
@@ -122,8 +122,9 @@ def wall_effect(
     -------
     xarray.Dataset
         For each response ``QUANTITY`` with the wall, ``QUANTITY_alone`` without it, and their ratio
-        ``QUANTITY_ratio`` [-]; ``ratio`` is that of the first response. The ratio is infinite where
-        the wall overturned. The frame is the same with and without the wall at each period. The
+        ``QUANTITY_ratio`` [-]; ``ratio`` is that of the first response. Responses are infinite
+        after overturning or collapse: the ratio is 0 where the frame alone collapsed, NaN where
+        both did. The frame is the same with and without the wall at each period. The
         first period of storeys therefore changes where the wall kept them on a straight line.
 
     Raises
@@ -152,8 +153,7 @@ def wall_effect(
     alone = alone.assign_coords(T_s=both["T_s"])
     found: dict[str, xr.DataArray] = {}
     for name in names:
-        response = with_overturning(both, name)
-        plain = alone[name].astype(np.float64)
+        response, plain = with_overturning(both, name), with_overturning(alone, name)
         text = f"{QUANTITIES[name].meaning}: with the wall over without it"
         ratio = (response / plain).assign_attrs(units="1", long_name=text)
         found |= {f"{name}_ratio": ratio, name: response, f"{name}_alone": plain}

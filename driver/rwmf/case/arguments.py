@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 import numpy as np
 
 from rwmf.case import Case, CaseLike, Motion
+from rwmf.case.motion import UNITS
 from rwmf.errors import LOG, InputError, call_depth, warn
 from rwmf.kernel.files import path_of
 from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
@@ -152,8 +153,9 @@ _CHECKS: dict[str, Check] = {
     "horizon": to_number,
     "intensity": _text,
     "kind": _text,
+    "left_out": _sequence,
     "legend": _truth,
-    "levels": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
+    "levels": _positives,
     "limit": to_number,
     "n": lambda name, value: to_whole(name, value, 1),
     "omega_over_p": _positives,
@@ -177,7 +179,7 @@ _CHECKS: dict[str, Check] = {
     "threads": lambda name, value: check_threads(value, name),
     "tolerance": _positive,
     "T_p": _positives,
-    "unit": _text,
+    "unit": _must_be("'g', 'm/s2' or 'cm/s2'", lambda x: isinstance(x, str) and x in UNITS),
     "variables": texts_of,
     "words": _sequence,
 }

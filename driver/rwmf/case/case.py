@@ -394,8 +394,7 @@ class Case(Groups):
         >>> block.paper_coefficients(0.0)[3] < 0 < block.paper_coefficients(-0.0)[3]
         True
         """
-        rotations = to_array("theta", [theta] if to_items(theta) is None else theta, least=1)
-        found = self.kernel.paper_coefficients(rotations)
+        found = self.kernel.paper_coefficients(to_array("theta", theta, least=1))
         return found[0] if to_items(theta) is None else found
 
     def to_namelist(self, path: str | os.PathLike[str] | None = None) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from html import escape
 from keyword import iskeyword
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
@@ -30,51 +31,31 @@ class Group(Mapping[str, Value]):
         N, N/m or N s/m). Empty without a mass in the case.
     """
 
-    __slots__ = ("_derived", "_given", "_in_si", "_name", "_raw", "_units", "_values")
+    __slots__ = ("_name", "_raw", "_values", "derived", "given", "in_si", "units")
 
-    _derived: frozenset[str]
-    _given: frozenset[str]
-    _in_si: dict[str, tuple[Value, str]]
+    derived: frozenset[str]
+    given: frozenset[str]
+    in_si: Mapping[str, tuple[Value, str]]
+    units: Mapping[str, str]
     _name: str
     _raw: dict[str, Value]
-    _units: dict[str, str]
     _values: dict[str, Value]
 
     def __init__(self, name: str, rows: list[list[str]]) -> None:
         put = super().__setattr__
         put("_name", name)
         put("_values", {key: parse_value(kind, text) for key, kind, text, *_ in rows})
-        put("_units", {key: unit for key, _, _, unit, *_ in rows})
-        put("_given", frozenset(row[0] for row in rows if row[4] == "given"))
-        put("_derived", frozenset(row[0] for row in rows if row[4] == "derived"))
+        put("units", MappingProxyType({key: unit for key, _, _, unit, *_ in rows}))
+        put("given", frozenset(row[0] for row in rows if row[4] == "given"))
+        put("derived", frozenset(row[0] for row in rows if row[4] == "derived"))
         both = [row for row in rows if len(row) > 5]
         si = {row[0]: (parse_value(row[1], row[5]), row[6]) for row in both if row[6]}
-        put("_in_si", si)
+        put("in_si", MappingProxyType(si))
         put("_raw", {row[0]: parse_value(row[1], row[7]) for row in both if row[7]})
-
-    @property
-    def given(self) -> frozenset[str]:
-        """Keys given in the case."""
-        return self._given
-
-    @property
-    def derived(self) -> frozenset[str]:
-        """Keys derived from dimensional keys."""
-        return self._derived
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Units of the values."""
-        return dict(self._units)
-
-    @property
-    def in_si(self) -> dict[str, tuple[Value, str]]:
-        """Dimensional values of ratios to the mass or the weight of the wall, with their units."""
-        return dict(self._in_si)
 
     def as_given(self) -> dict[str, Value]:
         """Return the given values, before rules convert them."""
-        return {key: self._raw.get(key, self._values[key]) for key in self if key in self._given}
+        return {key: self._raw.get(key, self._values[key]) for key in self if key in self.given}
 
     def __getitem__(self, key: str) -> Value:
         """Return the value of a key."""
@@ -120,8 +101,8 @@ class Group(Mapping[str, Value]):
 
     def __repr__(self) -> str:
         """Show the given values, then the defaults in parentheses."""
-        given = ", ".join(self._show(key) for key in self if key in self._given)
-        others = ", ".join(self._show(key) for key in self if key not in self._given)
+        given = ", ".join(self._show(key) for key in self if key in self.given)
+        others = ", ".join(self._show(key) for key in self if key not in self.given)
         return given + ("  " if given and others else "") + (f"({others})" if others else "")
 
     def _repr_html_(self) -> str:
@@ -130,11 +111,11 @@ class Group(Mapping[str, Value]):
 
     def _html_rows(self) -> str:
         """Return the rows of the table: group, key, value, meaning; given keys first."""
-        names = sorted(self, key=lambda key: key not in self._given)
+        names = sorted(self, key=lambda key: key not in self.given)
         meanings = {row.key: row.meaning for row in tables.schema() if row.group == self._name}
         rows = []
         for key in names:
-            grey = "" if key in self._given else ' style="color:gray"'
+            grey = "" if key in self.given else ' style="color:gray"'
             value = self._show(key).removeprefix(f"{key} = ")
             cells = (f"&{self._name}" if key == names[0] else "", key, value, meanings.get(key, ""))
             rows.append(
@@ -145,15 +126,15 @@ class Group(Mapping[str, Value]):
         return "".join(rows)
 
     def _show(self, key: str) -> str:
-        unit = self._units[key]
+        unit = self.units[key]
         value = self._values[key]
-        if key not in self._given:
+        if key not in self.given:
             # remove the round-off of a derived product
             value = _rounded(value)
         shown = f"{key} = {_shorten(value)}" + (f" {unit}" if unit.strip("-") else "")
-        if key not in self._in_si:
+        if key not in self.in_si:
             return shown
-        numbers, unit = self._in_si[key]
+        numbers, unit = self.in_si[key]
         rounded = np.vectorize(lambda number: float(f"{number:.6g}"))(numbers).tolist()
         return f"{shown} [{_shorten(tuple(rounded) if np.ndim(numbers) else rounded)} {unit}]"
 

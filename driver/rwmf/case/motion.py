@@ -19,7 +19,7 @@ from rwmf.kernel.kernel_case import keep_samples
 from rwmf.kernel.marshalling import Memory
 from rwmf.kernel.numbers import show, to_array, to_number
 
-_UNITS = ("g", "m/s2", "cm/s2")
+UNITS = ("g", "m/s2", "cm/s2")
 # order of the derivative that the last steps of ObsPy leave: 2 for accelerations
 _ORDERS = {"DISP": 0, "VEL": 1, "ACC": 2}
 _QUANTITIES = {0: "displacements", 1: "velocities"}
@@ -91,20 +91,22 @@ class Motion:
         if not isinstance(name, str) or not name.strip() or not name.isprintable():
             raise InputError(f"name = {show(name)} of a motion: must be printable text on one line")
         put("name", name)
-        if not isinstance(unit, str) or unit not in _UNITS:
-            raise self._problem(f"unit = {show(unit)}: must be 'g', 'm/s2' or 'cm/s2'")
-        if (dt is None) == (times is None):
-            raise self._problem("exactly one of dt and times must be given")
-        put("unit", unit)
-        put("dt", None if dt is None else self._interval(dt))
-        put("values", self._kept("values", values))
-        put("_times", None if times is None else self._kept("times", times))
-        if self.values.size < 2:
-            raise self._problem(f"{self.values.size} samples: must be at least 2")
         try:
+            if not isinstance(unit, str) or unit not in UNITS:
+                raise InputError(f"unit = {show(unit)}: must be 'g', 'm/s2' or 'cm/s2'")
+            if (dt is None) == (times is None):
+                raise InputError("exactly one of dt and times must be given")
+            put("unit", unit)
+            if dt is not None:
+                dt = to_number("dt", dt, above=0.0, wanted="a number > 0 [s]")
+            put("dt", dt)
+            put("values", _kept("values", values))
+            put("_times", None if times is None else _kept("times", times))
+            if self.values.size < 2:
+                raise InputError(f"{self.values.size} samples: must be at least 2")
             put("samples", keep_samples(self.values, self._times))
         except InputError as error:
-            raise self._problem(str(error)) from None
+            raise InputError(f"motion {name!r}: {error}") from None
 
     @classmethod
     def from_obspy(
@@ -157,25 +159,6 @@ class Motion:
         if unit is None and order is None:
             raise InputError(f"{where}: states no unit: give unit = 'g', 'm/s2' or 'cm/s2'")
         return cls(samples, dt=stats.delta, unit=unit or "m/s2", name=name or title)
-
-    def _kept(self, name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Copy an array into a read-only one."""
-        try:
-            # the kernel reports the position of a sample that is not finite
-            array = to_array(name, values, wanted=_ARRAY, is_finite=False)
-        except InputError as error:
-            raise self._problem(str(error)) from None
-        array.flags.writeable = False
-        return array
-
-    def _interval(self, dt: float) -> float:
-        try:
-            return to_number("dt", dt, above=0.0, wanted="a number > 0 [s]")
-        except InputError as error:
-            raise self._problem(str(error)) from None
-
-    def _problem(self, problem: str) -> InputError:
-        return InputError(f"motion {self.name!r}: {problem}")
 
     @property
     def times(self) -> npt.NDArray[np.float64]:
@@ -263,6 +246,13 @@ class Motion:
         """Show name, size, interval and unit."""
         sampling = "with times" if self.dt is None else f"dt = {self.dt!r} s"
         return f"Motion({self.name!r}: {self.values.size} samples, {sampling}, unit {self.unit!r})"
+
+
+def _kept(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Copy an array into a read-only one; the kernel reports a sample that is not finite."""
+    array = to_array(name, values, wanted=_ARRAY, is_finite=False)
+    array.flags.writeable = False
+    return array
 
 
 def _only_trace(source: Any) -> Any:  # noqa: ANN401 (a type of ObsPy)

@@ -66,24 +66,21 @@ def base_section(
     5533847
     """
     is_one = to_items(N) is None and to_items(theta) is None
-    forces = to_array("N", [N] if to_items(N) is None else N, least=1)
-    angles = np.abs(to_array("theta", [theta] if to_items(theta) is None else theta, least=1))
+    forces = to_array("N", N, least=1)
+    angles = np.abs(to_array("theta", theta, least=1))
     if forces.size != angles.size and 1 not in (forces.size, angles.size):
         raise InputError(f"theta = {show(theta)}: must be one number, or as many as N")
     forces, angles = (np.ascontiguousarray(item) for item in np.broadcast_arrays(forces, angles))
-    width = to_number("width", width, above=0.0)
-    thickness = to_number("thickness", thickness, above=0.0)
-    found = np.empty((forces.size, 4), order="F")
-    strength = np.finfo(float).max if f_c is None else to_number("f_c", f_c, above=0.0)
-    k = to_number("k", k, above=0.0)
-    tables.strip_under(width, thickness, k, strength, forces, angles, found)
+    strip = [_size("width", width), _size("thickness", thickness), _size("k", k)]
+    strength = np.finfo(float).max if f_c is None else _size("f_c", f_c)
+    found = tables.strip_under(forces, angles, *strip, strength)
     values = {
         "contact_length": (found[:, 0], "m", "contact length of the base"),
         "toe_stress": (found[:, 1], "Pa", "compressive stress at the toe"),
         "moment": (found[:, 2], "N m", "moment of the stresses about the middle of the base"),
     }
     if E is not None:
-        strain = found[:, 3] / to_number("E", E, above=0.0)
+        strain = found[:, 3] / _size("E", E)
         values["toe_strain"] = (strain, "1", "compressive strain at the toe")
     section = xr.Dataset(
         {

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rwmf.assess.annual import hazard_of
-from rwmf.assess.fits import exceedance
+from rwmf.assess.fragility_curves import exceedance
 from rwmf.assess.table import demand_percentiles, quantities_of, read_table
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError

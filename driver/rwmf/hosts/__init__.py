@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING
 from rwmf._renamed import of_module
 from rwmf.hosts.coupling import couple
 from rwmf.hosts.element import ElementResponse
-from rwmf.hosts.opensees_host import OpenSeesHost
-from rwmf.hosts.partner import FunctionHost, Host
-from rwmf.hosts.states import WallEvent, WallState
+from rwmf.hosts.partner import FunctionHost, Host, OpenSeesHost
+from rwmf.hosts.wall import WallEvent, WallState
 
 __all__ = [
     "ElementResponse",

@@ -21,7 +21,7 @@ from rwmf.hosts.partner import (
     Wholes,
     end_rates,
 )
-from rwmf.hosts.states import WallEvent
+from rwmf.hosts.wall import WallEvent
 from rwmf.kernel.numbers import show, to_array, to_items, to_number
 
 # groups of the frame, which the host owns

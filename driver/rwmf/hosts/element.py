@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Generic, NamedTuple, TypeVar, overload
+from typing import Any, Generic, NamedTuple, TypeVar, overload
 
 import numpy as np
 
 from rwmf.case.arguments import checked
 from rwmf.case.case import CaseLike, kernel_for_host
 from rwmf.errors import InputError, warn
-from rwmf.hosts.states import Closable, Guard, NotPickled, Reals
+from rwmf.hosts.wall import Closable, Guard, NotPickled, Reals
 from rwmf.kernel.numbers import is_whole, show, to_number, to_shaped
 from rwmf.kernel.stepping import KernelMember, Saved, event_names
 
@@ -103,6 +103,15 @@ class Element(Closable[KernelMember]):
         impact rule ``coupled``. In a file or in groups ``T_s`` and ``xi_s`` of `&frame` and
         ``t_end`` of `&solver` may be absent.
 
+    Attributes
+    ----------
+    dofs : int
+        Number of degrees of freedom.
+    modes : int
+        Number of modes of `&bending`.
+    links : int
+        Number of links between wall and host: 1, or one for each floor.
+
     Raises
     ------
     InputError
@@ -114,23 +123,8 @@ class Element(Closable[KernelMember]):
         given, source = kernel_for_host(case)
         kernel = KernelMember(given, source)
         self._guard = Guard(kernel, "Element")
-        self._dofs, self._links, self._modes = kernel.dofs, kernel.links, kernel.modes
+        self.dofs, self.links, self.modes = kernel.dofs, kernel.links, kernel.modes
         warn(given.motion_warnings())
-
-    @property
-    def dofs(self) -> int:
-        """Number of degrees of freedom."""
-        return self._dofs
-
-    @property
-    def modes(self) -> int:
-        """Number of modes of `&bending`."""
-        return self._modes
-
-    @property
-    def links(self) -> int:
-        """Number of links between wall and host: 1, or one for each floor."""
-        return self._links
 
     @property
     def side(self) -> int:
@@ -203,7 +197,7 @@ class Element(Closable[KernelMember]):
         InputError
             When an argument is no finite number, or the wall cannot follow the motion.
         """
-        n = self._dofs
+        n = self.dofs
         given = [
             to_shaped(name, value)
             for name, value in (("u", u), ("u_dot", u_dot), ("u_ddot", u_ddot))
@@ -444,19 +438,19 @@ class Element(Closable[KernelMember]):
             return kernel.settles(numbers, mass)
 
     def _vector(self, name: str, value: object) -> Reals:
-        n = self._dofs
+        n = self.dofs
         return to_shaped(name, value, *([(), (1,)] if n == 1 else [(n,)])).reshape(n)
 
     def _motion(self, name: str, value: object) -> Reals:
         """Return displacements, velocities and accelerations, one after the other."""
-        n = self._dofs
+        n = self.dofs
         return to_shaped(name, value, (3, n), *([(3,)] if n == 1 else [])).ravel()
 
     def _mass(self, value: object) -> Reals:
         """Return masses of the host as a matrix; empty for those of the case."""
         if value is None:
             return _NO_MASS
-        n = self._dofs
+        n = self.dofs
         array = to_shaped("host_mass", value, (n, n), *([(), (1,)] if n == 1 else []))
         return np.asfortranarray(array.reshape(n, n))
 
@@ -471,15 +465,9 @@ def _response(found: Reals, n: int) -> ElementResponse[float] | ElementResponse[
     if n == 1:
         forces = forces[..., 0]
         stiffness, damping, mass = (values[..., 0, 0] for values in (stiffness, damping, mass))
-    theta, theta_dot, theta_ddot, cable = (rest[..., k] for k in range(2, 6))
-    if n > 1 or shape:
-        return ElementResponse(
-            forces, stiffness, damping, mass, theta, theta_dot, theta_ddot, cable, hold, fuses
-        )
-    return ElementResponse(
-        float(forces), float(stiffness), float(damping), float(mass),
-        float(theta), float(theta_dot), float(theta_ddot), float(cable), hold, fuses,
-    )  # fmt: skip
+    numbers = [forces, stiffness, damping, mass, *(rest[..., k] for k in range(2, 6))]
+    values: list[Any] = list(map(float, numbers)) if n == 1 and not shape else numbers
+    return ElementResponse(*[*values, hold, fuses])
 
 
 def _side(value: object) -> Reals:

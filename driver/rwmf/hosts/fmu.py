@@ -22,7 +22,7 @@ from rwmf.kernel import tables
 from rwmf.kernel.files import write_bytes
 from rwmf.kernel.names import xml_text
 from rwmf.run.quantities import find
-from rwmf.run.simulation import start
+from rwmf.run.simulation import NO_ACCURACY, start
 
 # numbers that an instance cannot change: of files, of sweeps, and those that decide on sizes
 _NOT_PARAMETERS = {
@@ -152,7 +152,7 @@ def _outputs(case: Case) -> list[Variable]:
     row = 1e-3
     short = case.replace(
         output={"dt": row, "reactions": True, "conditioning": False},
-        solver={"t_end": row, "accuracy": None, "accuracy_of": None, "verify": None},
+        solver={"t_end": row, **NO_ACCURACY},
     )
     with start(short) as run:
         keys = [*run.history()[0], *run.summary()]
@@ -182,8 +182,6 @@ def _parameters(case: Case) -> list[Variable]:
             if key in values.derived and key not in given:
                 continue
             numbers = value if isinstance(value, tuple) else (value,)
-            if any(isinstance(number, str) for number in numbers):
-                raise InputError(f"{name} = {value}: must be a number")
             unit = "" if row.unit == "-" else row.unit
             for i, number in enumerate(numbers, 1):
                 size = (len(numbers), i if len(numbers) > 1 else 0)

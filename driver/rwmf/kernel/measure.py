@@ -12,8 +12,7 @@ import numpy.typing as npt
 from rwmf._kernel import rwmf_bindings_python_cost as _cost
 from rwmf._reference import rwmf_bindings_python_reference as _reference
 from rwmf.errors import InputError
-from rwmf.kernel.kernel_thread import wait_for
-from rwmf.kernel.marshalling import encode, fetch_text
+from rwmf.kernel.marshalling import encode, fetch_text, wait_for
 
 if TYPE_CHECKING:
     from rwmf.case import Case

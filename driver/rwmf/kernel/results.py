@@ -13,15 +13,17 @@ import numpy.typing as npt
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._kernel import rwmf_bindings_python_static_curve as _curves
 from rwmf.errors import InputError
-from rwmf.kernel.kernel_case import KernelCase, SceneAxis
-from rwmf.kernel.kernel_thread import Progress, wait_for, write
+from rwmf.kernel.kernel_case import KernelCase
 from rwmf.kernel.marshalling import (
     Memory,
     MemoryView,
+    Progress,
     encode,
     fetch_text,
     split_lines,
     summary_item,
+    wait_for,
+    write,
 )
 from rwmf.kernel.numbers import show
 
@@ -36,7 +38,7 @@ class Result:
     """
 
     def __init__(self, case: KernelCase, handle: int) -> None:
-        self._case = case
+        self.case = case
         self._memory: Memory | None = Memory(handle)
 
     @property
@@ -73,7 +75,7 @@ class Run(Result):
         capacity = _FIRST_CAPACITY
         while True:
             reals, counts = np.zeros(capacity), np.zeros(capacity, dtype=np.int64)
-            numbers_of = (self._case.handle, self.handle, reals, counts)
+            numbers_of = (self.case.handle, self.handle, reals, counts)
             lines = split_lines(fetch_text(_kernel.result_summary, *numbers_of))
             if len(lines) <= capacity:
                 break
@@ -107,7 +109,7 @@ class Run(Result):
 
     def write(self, text: str, source: str, folder: str) -> None:
         """Write the files of the batch program, named after `source`, into `folder`."""
-        asked = (self._case.handle, self.handle, encode(text), encode(source), encode(folder))
+        asked = (self.case.handle, self.handle, encode(text), encode(source), encode(folder))
         write(lambda *buffers: _kernel.result_write(*asked, *buffers))
 
 
@@ -119,14 +121,6 @@ class Spectrum(Result):
         return [
             line for line in fetch_text(_kernel.spectrum_warnings, self.handle).split("\t") if line
         ]
-
-    def method(self) -> str:
-        """Return the name of the method."""
-        return self._case.spectrum_method()
-
-    def axes(self) -> dict[str, SceneAxis]:
-        """Return the definitions of the axes in the scene."""
-        return self._case.axes()
 
     def facts(self) -> dict[str, Any]:
         """Return sizes and cost: n_T, n_gamma, n_b, threads, rhs_evaluations, seconds."""
@@ -155,7 +149,7 @@ class Spectrum(Result):
 
     def write(self, text: str, path: str) -> None:
         """Write the CSV file of the batch program, with the namelist text of the case in it."""
-        asked = (self._case.handle, self.handle, encode(text), encode(path))
+        asked = (self.case.handle, self.handle, encode(text), encode(path))
         write(lambda *buffers: _kernel.spectrum_write(*asked, *buffers))
 
 

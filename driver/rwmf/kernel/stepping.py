@@ -20,8 +20,7 @@ from rwmf._kernel import rwmf_bindings_python_hosts as _hosts
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf.errors import InputError
 from rwmf.kernel.kernel_case import KernelCase
-from rwmf.kernel.kernel_thread import wait_for
-from rwmf.kernel.marshalling import Memory, call, fetch_text, message_buffer, raise_for
+from rwmf.kernel.marshalling import Memory, call, fetch_text, message_buffer, raise_for, wait_for
 from rwmf.kernel.numbers import float_of, show
 
 _Reals = npt.NDArray[np.float64]

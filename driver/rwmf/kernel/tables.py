@@ -219,16 +219,12 @@ def digits_of(rtol: float, sensitivity: float) -> int:
 
 
 def strip_under(
-    width: float,
-    thickness: float,
-    k: float,
-    strength: float,
-    normal: npt.NDArray[np.float64],
-    phi: npt.NDArray[np.float64],
-    found: npt.NDArray[np.float64],
-) -> None:
-    """Compute contact, toe stress, moment and settlement of a strip under a base."""
-    _kernel.strip_under(width, thickness, k, strength, normal, phi, found)
+    normal: npt.NDArray[np.float64], phi: npt.NDArray[np.float64], *strip: float
+) -> npt.NDArray[np.float64]:
+    """Compute contact, toe stress, moment, settlement of a strip: width, thickness, k, strength."""
+    found = np.empty((normal.size, 4), order="F")
+    _kernel.strip_under(*strip, normal, phi, found)
+    return found
 
 
 def meant_quantity(word: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -192,7 +192,6 @@ def read_dyna(lines: list[str], name: str) -> list[Channel]:
     header = {
         key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines[:n])
     }
-    dialect = "ESM"
     kind = header.get("DATA_TYPE", "ACCELERATION")
     if kind != "ACCELERATION":
         raise InputError(f"the header has DATA_TYPE = {kind}: must be ACCELERATION")
@@ -205,7 +204,7 @@ def read_dyna(lines: list[str], name: str) -> list[Channel]:
     stream = header.get("STREAM", "")
     direction = "Z" if stream.endswith("Z") else stream
     motion = Motion(values, dt=dt, unit=unit, name=name)
-    return [Channel(motion, direction, dialect)]
+    return [Channel(motion, direction, "ESM")]
 
 
 def read_nied(lines: list[str], name: str) -> list[Channel]:
@@ -422,53 +421,62 @@ def read_cosmos(lines: list[str], name: str) -> list[Channel]:
     """Read the accelerations of a COSMOS file, format 1.20."""
     if _COSMOS_VERSION not in lines[0]:
         raise InputError("the version of the format is not 01.20, which alone is read")
-    places = _places(lines, _COSMOS)
-    channels = []
-    for number, (i, match) in enumerate(places, 1):
-        reals = _real_header(lines[:i])
-        values, unit = in_base_unit(_block(lines, i, match), match["unit"], f"line {i + 1}: units")
-        is_raw = reals[_INTERVAL_MS] in (0.0, _UNKNOWN)
-        dt = reals[_INTERVAL] if is_raw else reals[_INTERVAL_MS] / 1000
-        seconds = float(match["seconds"])
-        # whole seconds are printed
-        if dt <= 0 or not abs(values.size * dt - seconds) <= _SECONDS:
-            raise InputError(
-                f"line {i + 1}: {values.size} points at the header's interval of {dt:g} s are not "
-                f"the stated {seconds:g} s"
-            )
-        if reals[_LARGEST] not in (0.0, _UNKNOWN):
-            check_peak(values, f"{reals[_LARGEST]:.6f}", "the largest acceleration")
-        title = _title(name, number, len(places))
-        motion = Motion(values, dt=dt, unit=unit, name=title)
-        channels.append(Channel(motion, _direction(lines[:i]), "COSMOS", len(places) == 1))
-    return channels
+    return _channels(lines, name, "COSMOS", _COSMOS, _read_cosmos)
+
+
+def _read_cosmos(lines: list[str], i: int, match: re.Match[str]) -> tuple[Values, str, float]:
+    reals = _real_header(lines[:i])
+    values, unit = in_base_unit(_block(lines, i, match), match["unit"], f"line {i + 1}: units")
+    is_raw = reals[_INTERVAL_MS] in (0.0, _UNKNOWN)
+    dt = reals[_INTERVAL] if is_raw else reals[_INTERVAL_MS] / 1000
+    seconds = float(match["seconds"])
+    # whole seconds are printed
+    if dt <= 0 or not abs(values.size * dt - seconds) <= _SECONDS:
+        raise InputError(
+            f"line {i + 1}: {values.size} points at the header's interval of {dt:g} s are not "
+            f"the stated {seconds:g} s"
+        )
+    if reals[_LARGEST] not in (0.0, _UNKNOWN):
+        check_peak(values, f"{reals[_LARGEST]:.6f}", "the largest acceleration")
+    return values, unit, dt
 
 
 def read_cgs(lines: list[str], name: str) -> list[Channel]:
     """Read the accelerations of volume 1 or 2 of the California Geological Survey (CSMIP)."""
-    places = _places(lines, _CGS)
+    return _channels(lines, name, "CGS", _CGS, _read_cgs)
+
+
+def _read_cgs(lines: list[str], i: int, match: re.Match[str]) -> tuple[Values, str, float]:
+    if match["rate"] is None:
+        dt = header_number("the interval", match["dt"])
+    else:
+        dt = 1 / header_number("pts/sec", match["rate"])
+    numbers, text = _block(lines, i, match), match["raw"] or match["unit"]
+    values, unit = in_base_unit(numbers, text, f"line {i + 1}: unit")
+    peaks = [found[1] for line in lines[:i] if (found := _CGS_PEAK.search(line))]
+    check_peak(values, peaks[-1] if peaks else None, "the largest acceleration")
+    return values, unit, dt
+
+
+def _channels(
+    lines: list[str],
+    name: str,
+    dialect: str,
+    pattern: re.Pattern[str],
+    read: Callable[[list[str], int, re.Match[str]], tuple[Values, str, float]],
+) -> list[Channel]:
+    """Read the blocks of accelerations behind lines of a pattern."""
+    places = [(i, match) for i, line in enumerate(lines) if (match := pattern.match(line))]
+    if not places:
+        raise InputError("the file has no block of accelerations")
     channels = []
     for number, (i, match) in enumerate(places, 1):
-        if match["rate"] is None:
-            dt = header_number("the interval", match["dt"])
-        else:
-            dt = 1 / header_number("pts/sec", match["rate"])
-        numbers, text = _block(lines, i, match), match["raw"] or match["unit"]
-        values, unit = in_base_unit(numbers, text, f"line {i + 1}: unit")
-        peaks = [found[1] for line in lines[:i] if (found := _CGS_PEAK.search(line))]
-        check_peak(values, peaks[-1] if peaks else None, "the largest acceleration")
-        title = _title(name, number, len(places))
+        values, unit, dt = read(lines, i, match)
+        title = name if len(places) == 1 else f"{name}-{number}"
         motion = Motion(values, dt=dt, unit=unit, name=title)
-        channels.append(Channel(motion, _direction(lines[:i]), "CGS", len(places) == 1))
+        named = (found[1] for line in reversed(lines[:i]) if (found := _CHANNEL.match(line)))
+        channels.append(Channel(motion, next(named, ""), dialect, len(places) == 1))
     return channels
-
-
-def _places(lines: list[str], pattern: re.Pattern[str]) -> list[tuple[int, re.Match[str]]]:
-    """Find the lines that begin blocks of accelerations."""
-    found = [(i, match) for i, line in enumerate(lines) if (match := pattern.match(line))]
-    if not found:
-        raise InputError("the file has no block of accelerations")
-    return found
 
 
 def _block(lines: list[str], i: int, match: re.Match[str]) -> Values:
@@ -491,13 +499,3 @@ def _real_header(lines: list[str]) -> Values:
     if reals.size <= _LARGEST:
         raise InputError(f"line {i + 1}: {reals.size} Real-header values: must be 100")
     return reals
-
-
-def _direction(lines: list[str]) -> str:
-    """Return the direction of the last channel named in a header."""
-    found = (_CHANNEL.match(line) for line in reversed(lines))
-    return next((match[1] for match in found if match), "")
-
-
-def _title(name: str, number: int, count: int) -> str:
-    return name if count == 1 else f"{name}-{number}"

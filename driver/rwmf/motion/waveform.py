@@ -109,10 +109,6 @@ class Waveform:
         """Slopes of the steps [m/s3], shape (rows, n - 1)."""
         return np.diff(self.rows) / self.h
 
-    def scaled(self, factor: float) -> Waveform:
-        """Return the motion times a factor."""
-        return Waveform(self.t, self.a * factor)
-
     def velocities(self) -> Array:
         """Integrate the accelerations from rest."""
         a = self.rows

@@ -85,7 +85,7 @@ def pushover(
     """
     case = case_of(case)
     name, loads = _pattern_of(case, pattern, forces)
-    legs = _drifts_of(drifts)
+    legs = to_array("drifts", drifts, least=1)
     n = to_whole("steps", steps, 1, _MOST_STEPS)
     curve = results.compute_curve(case.kernel, case.label, name, loads, legs, n)
     found = _to_dataset(curve, case, name)
@@ -123,13 +123,6 @@ def _pattern_of(case: Case, pattern: object, forces: object) -> tuple[str, npt.N
         raise InputError("pattern = 'floors': needs forces, one for each floor from the ground up")
     loads = np.zeros(0) if forces is None else to_array("forces", forces, least=1)
     return str(pattern), loads
-
-
-def _drifts_of(drifts: object) -> npt.NDArray[np.float64]:
-    """Return the turning points; one number is one leg."""
-    if isinstance(drifts, int | float | np.number) and not isinstance(drifts, bool):
-        drifts = [drifts]
-    return to_array("drifts", drifts, least=1)
 
 
 def _to_dataset(curve: results.StaticCurve, case: Case, pattern: str) -> Response:

@@ -12,12 +12,14 @@ from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.case.elements import heights_of_storeys
 from rwmf.kernel import results, tables
-from rwmf.kernel.numbers import to_number
 from rwmf.run.headline import tendon_yield_of
 from rwmf.run.quantities import Quantity, find_numbered
 
 if TYPE_CHECKING:
     from rwmf.run.response import Labelled, Response
+
+# keys of &solver that choose the tolerance by the accuracy of a peak, removed
+NO_ACCURACY: dict[str, object] = dict.fromkeys(("accuracy", "accuracy_of", "verify"))
 
 
 @checked
@@ -53,7 +55,6 @@ def simulate(case: CaseLike, dt: float | None = None) -> Response:
     """
     case = case_of(case)
     if dt is not None:
-        dt = to_number("dt", dt, above=0.0, wanted="a number > 0 [s]")
         case = case.replace(output={"dt": dt})
     with start(case) as run:
         return to_dataset(run, case)
@@ -147,15 +148,13 @@ def level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict
     """Return numbers and heights of the storeys and floors, from the ground up."""
     heights = heights_of_storeys(case, sizes.get("floor", sizes.get("storey", 0)))
     found: dict[str, Labelled] = {}
-    for level, values, meaning in (
-        ("storey", heights, "height of the storey, from floor to floor"),
-        ("floor", list(accumulate(heights)), "height of the floor above the base"),
-        ("mode", [], ""),
-        ("tendon", [], ""),
-        ("fuse", [], ""),
-        ("restraint", [], ""),
-    ):
+    known = {
+        "storey": (heights, "height of the storey, from floor to floor"),
+        "floor": (list(accumulate(heights)), "height of the floor above the base"),
+    }
+    for level in ("storey", "floor", "mode", "tendon", "fuse", "restraint"):
         if level in dims:
+            values, meaning = known.get(level, ([], ""))
             text = f"number of the {level}" + (", from the ground up" if meaning else "")
             found[level] = ((level,), np.arange(1, sizes[level] + 1), {"long_name": text})
             if values:

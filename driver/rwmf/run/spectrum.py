@@ -132,7 +132,7 @@ def to_dataset(sweep: results.Spectrum) -> xr.Dataset:
     """Label the kernel's spectrum."""
     values = sweep.values()
     facts = sweep.facts()
-    axes = sweep.axes()
+    axes = sweep.case.axes()
     coordinates = {
         name: ((name,), values[name], {"units": item.unit, "long_name": item.meaning})
         for name, item in axes.items()
@@ -153,7 +153,7 @@ def to_dataset(sweep: results.Spectrum) -> xr.Dataset:
         coordinates,
         {
             "version": tables.version(),
-            "method": sweep.method(),
+            "method": sweep.case.spectrum_method(),
             "seconds": float(facts["seconds"]),
             "threads": int(facts["threads"]),
             "rhs_evaluations": int(facts["rhs_evaluations"]),

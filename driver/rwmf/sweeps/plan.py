@@ -20,8 +20,7 @@ from rwmf.case.namelist import compose
 from rwmf.errors import InputError, NumericalError, without_lines
 from rwmf.kernel import kernel_case, results, tables
 from rwmf.kernel.numbers import short_decimal
-from rwmf.motion.intensity import choose_intensity, scale_to_one
-from rwmf.motion.measures import Intensity
+from rwmf.motion.intensity import Intensity, choose_intensity, scale_to_one
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import (
     AXES,
@@ -303,7 +302,8 @@ def make_plan(request: Request) -> Plan:
     axes += _kernel_axes(case, grid, points)
     axes = [_labelled(axis, case, intensity) for axis in axes]
     _check_names(grid, axes, points)
-    base = _base_entries(case, axes)
+    gone = {"spectrum"} | ({"motion"} if _has_records(axes) else set())
+    base = {name: group.as_given() for name, group in case.groups.items() if name not in gone}
     quantities = (default_quantity(case),) if request.quantities is None else request.quantities
     # the demands of &limits come with every row
     wanted = find_quantities((*quantities, *case.kernel.limited_demands()))
@@ -402,7 +402,7 @@ def _make_layout(
         scene_of={axis.name: axis.scene_of for axis in axes},
         block=block,
         quantities=quantities,
-        motion_crc32="" if _has_records(axes) else _own_record(case),
+        motion_crc32=_own_record(case, ("vertical",) if _has_records(axes) else _OWN),
         method="" if varies else case.kernel.spectrum_method(),
     )
 
@@ -424,10 +424,14 @@ def _has_records(axes: Sequence[Axis]) -> bool:
     return any(axis.scenes[0].record is not None for axis in axes)
 
 
-def _own_record(case: Case) -> str:
-    """Return the checksums of the records named in the case."""
+# groups that may name a record
+_OWN = ("motion", "vertical")
+
+
+def _own_record(case: Case, groups: Sequence[str]) -> str:
+    """Return the checksums of the records that groups of the case name."""
     found = []
-    for name in ("motion", "vertical"):
+    for name in groups:
         path = case.groups[name].get("file") if name in case.groups else None
         if name in case.motions:
             found.append(case.motions[name].checksum)
@@ -435,12 +439,6 @@ def _own_record(case: Case) -> str:
             content = (Path(case.kernel_source()).parent / str(path)).read_bytes()
             found.append(f"{zlib.crc32(content):08x}")
     return "-".join(found)
-
-
-def _base_entries(case: Case, axes: Sequence[Axis]) -> Entries:
-    """Return the groups that no axis replaces."""
-    gone = {"spectrum"} | ({"motion"} if _has_records(axes) else set())
-    return {name: group.as_given() for name, group in case.groups.items() if name not in gone}
 
 
 def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) -> Iterator[Axis]:

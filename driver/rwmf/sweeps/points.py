@@ -20,8 +20,7 @@ from rwmf.case.namelist import Value
 from rwmf.errors import InputError
 from rwmf.kernel.names import problem_of_name, shorten
 from rwmf.kernel.numbers import show
-from rwmf.motion.lists import decimal_point, separator_of
-from rwmf.motion.record_sets import RecordFile, find_records
+from rwmf.motion.record_sets import RecordFile, decimal_point, find_records, separator_of
 from rwmf.sweeps.axes import (
     NUMBERS,
     PAIRS,

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import rwmf
 from refused import refusals
+from rwmf.assess.design import Target
 from rwmf.cli import main
 from scenes import bare_frame, coupled
 
@@ -30,8 +31,14 @@ def test_frame_with_a_known_answer() -> None:
     assert found.is_feasible
     assert found.values["a_max_g"] == pytest.approx(0.25, rel=1e-3)
     assert found.left_out == ()
-    assert np.isnan(found.checks[0].value_left_out)
+    assert np.isnan([found.checks[0].value_left_out, found.checks[0].utilisation_left_out]).all()
     assert found.case.motion.a_max_g == found.values["a_max_g"]
+
+
+def test_a_smallest_demand_without_runs_has_no_utilisation() -> None:
+    target = Target("contact_length_min", 0.3, 0.84, 1.0, is_least=True)
+    assert [target.utilisation(x) for x in (0.6, 0.0)] == [0.5, np.inf]
+    assert np.isnan(target.utilisation(np.nan))
 
 
 def test_cheaper_than_designs_at_random() -> None:

@@ -10,8 +10,8 @@ import pytest
 import rwmf
 from random_cases import random_cases
 from refused import refusals
-from rwmf.assess import held_keys
-from rwmf.assess.held_keys import (
+from rwmf.assess import lanes
+from rwmf.assess.lanes import (
     derivative_at,
     find_parameters,
     offsets_of,
@@ -45,6 +45,15 @@ def test_bouncing_ball(number: int, truth: float) -> None:
     found = derivative_at(offsets, np.array(values), _height_of_ball(*point))
     assert found.derivative / point[number] == pytest.approx(truth, rel=1e-9)
     assert not found.is_kink
+
+
+def test_the_accuracy_of_a_case_does_not_count() -> None:
+    case = coupled(solver={"t_end": 1.0})
+    found = rwmf.gradient(case, "xi_s", "u_s_max")
+    asked = case.replace(solver={"accuracy": 1e-4, "accuracy_of": "u_s_max_m"})
+    assert rwmf.gradient(asked, "xi_s", "u_s_max").identical(found)
+    with pytest.raises(rwmf.InputError, match="unit = 'ft': must be 'g', 'm/s2' or 'cm/s2'"):
+        rwmf.gradient(case, "xi_s", unit="ft")
 
 
 def test_slopes_that_differ_are_a_kink() -> None:
@@ -182,8 +191,8 @@ def _real_keys(case: rwmf.Case) -> list[str]:
             with contextlib.suppress(rwmf.InputError):
                 item = find_parameters(case, [f"{group}.{key}"])[0]
                 if not item.is_list and group not in ("solver", "model"):
-                    value = float(held_keys.value_of(case, item)[0])
-                    held_keys.allowed_changes(case, item, value, held_keys.scale_of(item, value))
+                    value = float(lanes.value_of(case, item)[0])
+                    lanes.allowed_changes(case, item, value, lanes.scale_of(item, value))
                     found.append(item.name)
     return found
 
@@ -200,7 +209,7 @@ def test_every_key_has_the_derivative_of_the_case_as_written(text: str) -> None:
         item = find_parameters(case, [key])[0]
         value, step = float(found["parameter_value"][i]), 2e-4 * scale
         changes = [value + step, value - step] if value else [step, 2 * step]
-        cases = [case.replace(**held_keys.changed_entries(case, item, x)) for x in changes]
+        cases = [case.replace(**lanes.changed_entries(case, item, x)) for x in changes]
         peaks = [float(rwmf.simulate(other)[name]) for other in cases]
         slope = (peaks[0] - peaks[1]) / (changes[0] - changes[1])
         if not value:

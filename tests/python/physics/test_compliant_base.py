@@ -442,6 +442,10 @@ def test_restitution(kappa: float, xi: float, factor: float) -> None:
     found = rwmf.studies.restitution(case)
     assert float(found.e) == pytest.approx(factor, abs=6e-4)
     assert float(found.e_housner) == pytest.approx(1 - 1.5 / 17)
+    # neither a start with a velocity nor a tolerance by accuracy counts
+    moving = case.replace(initial={"theta_over_alpha": 0.1, "theta_dot": 0.3},
+                          solver={"rtol": None, "accuracy": 1e-4})  # fmt: skip
+    assert rwmf.studies.restitution(moving).identical(found)
 
 
 @pytest.mark.parametrize("kappa", [1e5, 1e7])

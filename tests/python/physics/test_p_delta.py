@@ -511,7 +511,7 @@ def test_step_back_from_a_collapse() -> None:
 
 
 def test_studies_count_a_collapse_as_failure() -> None:
-    from rwmf.assess.statistics import with_overturning
+    from rwmf.assess.table import with_overturning
 
     case = collapsing().replace(output=None)
     swept = rwmf.sweep(case, {"T_s": [0.2, 0.9]}, quantities=("u_s_max",))

@@ -41,7 +41,7 @@ def test_the_reference_is_that_of_an_independent_program(found: Cost) -> None:
 
 
 def test_the_table_of_quantities_names_what_is_reported(found: Cost) -> None:
-    keys = found.rows[0].to_dict().keys() | found.reference.keys()
+    keys = vars(found.rows[0]).keys() | found.reference.keys()
     assert keys == {key for key, row in QUANTITIES.items() if "cost" in row.outputs.split()}
 
 

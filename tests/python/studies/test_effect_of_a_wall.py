@@ -59,6 +59,17 @@ def test_other_responses() -> None:
         studies.wall_effect(case, {"T_s": [0.8]}, quantities=["IDR"])
 
 
+def test_collapse_of_the_frame_alone() -> None:
+    """The last peak before a collapse is no response to compare with."""
+    limit = {"m_g_over_m_s": 1.0, "h_f": 8.0, "drift_limit": 0.02}
+    case = coupled(p_delta=limit, motion={"a_max_g": 0.3}, solver={"t_end": 4.0})
+    found = studies.wall_effect(case, {"T_s": [0.6, 0.9, 1.2]})
+    assert np.isinf(found["u_s_max_alone"]).values.ravel().tolist() == [False, True, True]
+    assert np.isfinite(found["u_s_max"]).values.ravel().tolist() == [True, True, False]
+    assert found["ratio"].values.ravel()[1] == 0
+    assert np.isnan(found["ratio"].values.ravel()[2])
+
+
 def test_the_command_gives_all_and_no_verdict(
     tmp_path: object, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

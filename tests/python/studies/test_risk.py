@@ -157,6 +157,21 @@ def test_percentiles_are_infinite_where_records_collapse(table: xr.Dataset) -> N
     np.testing.assert_array_equal(lowest, expected)
 
 
+def test_demands_count_by_magnitude() -> None:
+    """A residual drift to either side exceeds a limit, in curves and percentiles."""
+    columns: dict[str, Any] = {
+        "record": ["a", "a", "b", "b", "c", "c"],
+        "intensity": [0.2, 0.4] * 3,
+        "roof_residual_drift": [1e-3, 4e-3, -1e-3, -6e-3, 2e-3, -3e-3],
+    }
+    positive = columns | {"roof_residual_drift": np.abs(columns["roof_residual_drift"])}
+    curves = [rwmf.fragility(item, 2.5e-3, resamples=0, method="capacities")
+              for item in (columns, positive)]  # fmt: skip
+    assert curves[0].identical(curves[1])
+    found = [studies.demand_percentiles(item) for item in (columns, positive)]
+    assert found[0].identical(found[1])
+
+
 def test_records_replace_a_motion_in_memory() -> None:
     """A case whose motion is in memory needs no file for it."""
     first, second = suite(2)
@@ -261,6 +276,100 @@ def test_broken_hazard_by_quadrature() -> None:
     assert found["contribution"].values == pytest.approx(np.array(shares) / total, abs=1e-4)
 
 
+def _phi(z: Any) -> Any:  # noqa: ANN401 (a number or an array)
+    return np.vectorize(lambda x: 0.5 * math.erfc(-x / math.sqrt(2)))(z)
+
+
+def test_results_of_one_power_law() -> None:
+    """Period, probability and bins in closed form; the edges are round and around the median."""
+    median, beta, k = 0.9, 0.4, 2.5
+    rate = 2e-4 * median**-k * math.exp(0.5 * (k * beta) ** 2)
+    found = rwmf.risk((median, beta), (2e-4, k))
+    assert float(found["return_period"]) == pytest.approx(1 / rate)
+    assert float(found["probability_50_years"]) == pytest.approx(1 - math.exp(-50 * rate))
+    assert float(found["extrapolated"]) == 0
+    edges = found["intensity_high"].values[:-1]
+    assert found["intensity_low"].values.tolist() == [0.0, *edges]
+    ends = median * np.exp([-3 * beta, 2 * beta])
+    assert edges.tolist() == [float(f"{x:.2g}") for x in np.geomspace(*ends, 11)]
+    z = np.log(edges / median) / beta
+    below = _phi(z + k * beta) - _phi(z) * 2e-4 * edges**-k / rate
+    assert found["contribution"].values.cumsum()[:-1] == pytest.approx(below, abs=1e-10)
+
+
+@pytest.mark.parametrize(("beta", "width"), [(0.0, 0.2), (0.05, 0.2), (0.5, 0.5), (20.0, 10.0)])
+def test_bins_of_narrow_and_wide_curves(beta: float, width: float) -> None:
+    edges = rwmf.risk((0.5, beta), (1e-4, 1e-3))["intensity_high"].values[:-1]
+    assert edges[[0, -1]] == pytest.approx(0.5 * np.exp([-3 * width, 2 * width]), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("beta", "ends", "warns"),
+    [(0.4, (0.25, 1.6), True), (0.4, (0.2, 2.0), False), (0.0, (0.2, 2.0), False),
+     (0.0, (1.0, 2.0), True)],
+)  # fmt: skip
+def test_share_from_outside_the_points(beta: float, ends: tuple[float, float], warns: bool) -> None:
+    median, k = 0.9, 2.5
+    x = np.geomspace(*ends, 5)
+    found = rwmf.risk((median, beta), {"intensity": x, "frequency": 2e-4 * x**-k})
+    z = np.log(np.array(ends) / median) / (beta or 1e-9) + k * beta
+    share = 1 - float(np.diff(_phi(z))[0])
+    assert float(found["extrapolated"]) == pytest.approx(share, rel=1e-9, abs=1e-12)
+    text = f"{100 * share:.3g} % of the annual frequency is from outside the hazard's points"
+    assert found.attrs["warnings"] == (text if warns else "")
+
+
+def test_band_of_resamples() -> None:
+    """An infinite median has no frequency; a resample without a fit is left out."""
+    k, further = 2.5, 0.3
+    medians, betas = np.array([0.8, 0.9, 1.1, np.inf, np.nan]), np.array([0.3, 0.5, 0.4, 0.4, 0.4])
+    curves = xr.Dataset(
+        {
+            "median": 0.9,
+            "dispersion": 0.4,
+            "dispersion_total": math.hypot(0.4, further),
+            "median_resampled": ("resample", medians),
+            "dispersion_resampled": ("resample", betas),
+        },
+        attrs={"confidence": 0.9},
+    )
+    found = rwmf.risk(curves, (2e-4, k))
+    rates = 2e-4 * medians**-k * np.exp(0.5 * k**2 * (betas**2 + further**2))
+    ends = np.quantile(rates[:-1], [0.05, 0.95])
+    assert found["annual_frequency_band"].values == pytest.approx(ends, rel=1e-12)
+    assert found["quantile"].values == pytest.approx([0.05, 0.95])
+    assert float(found["dispersion"]) == 0.5
+
+
+test_fragilities_and_hazards_that_are_refused = refusals(
+    lambda words: rwmf.risk(*words),
+    (((0.0, 0.4), (1e-4, 2.0)), "median = 0.0: must be a finite number > 0"),
+    (((0.5, -0.1), (1e-4, 2.0)), "dispersion = -0.1: must be >= 0"),
+    ((([0.5, -1.0], [0.4, 0.4]), (1e-4, 2.0)), "fragility of 2: median = -1.0"),
+    ((([0.5, 0.6], [0.4]), (1e-4, 2.0)), "differ in their length"),
+    (((0.5, 0.4, 0.3), (1e-4, 2.0)), "must be a dataset of rwmf.fragility"),
+    ((xr.Dataset({"median": 0.5}), (1e-4, 2.0)), "has no median and dispersion"),
+    (((0.5, 0.4), np.ones((2, 3))), "must be the path of a CSV file"),
+    (((0.5, 0.4), (1e-4, 2.0, 3.0)), "must be the path of a CSV file"),
+    (((0.5, 0.4), {"k0": 1e-4}), "must be the path of a CSV file"),
+    (((0.5, 0.4), {"intensity": [0.1, 0.2], "poe_50": [0.1]}), "2 intensities and 1 frequencies"),
+    (((0.5, 0.4), np.array([[0.1, 0.1], [0.2, 0.0]])), "row 1: frequency = 0: .* of no frequency"),
+    (((0.5, 0.4), 3.0), "must be the path of a CSV file"),
+)
+
+
+def test_a_table_of_hazard_and_its_bins() -> None:
+    x = np.geomspace(0.05, 5, 9)
+    table = np.column_stack([x, 2e-4 * x**-2.5])
+    columns = {"intensity": x, "frequency": table[:, 1]}
+    assert rwmf.risk((0.9, 0.4), table).identical(rwmf.risk((0.9, 0.4), columns))
+    poe = np.append(1.0, -np.expm1(-50 * table[:, 1]))
+    found = rwmf.risk((0.9, 0.4), {"intensity": np.append(0.01, x), "poe_50": poe})
+    assert found.attrs["warnings"] == "hazard: 1 point of probability 1 left out"
+    with pytest.raises(InputError, match=r"levels = .* must ascend"):
+        rwmf.risk((0.9, 0.4), table, levels=[0.5, 0.5])
+
+
 def test_designs_in_one_table(table: xr.Dataset) -> None:
     curves = rwmf.fragility(table, resamples=100)
     found = rwmf.risk(curves, (1e-4, 2.3))
@@ -286,6 +395,8 @@ test_degenerate_data_say_why = refusals(
     (BAKER | {"mce": 1, "shape_factor": (1, 0.5, "B")}, "ductility = 0.5: must be >= 1"),
     ({"table": {"intensity": [0.1], "d": [1.0]}, "limit": 2, "quantities": "e"}, "has d"),
     ({"table": {"d": [1.0]}, "limit": 2}, "no column intensity, only d"),
+    (BAKER | {"quantities": "u_s_max"}, "counts take no limit, no quantity"),
+    ({"table": {"intensity": [0.1], "d": [1.0]}, "runs": 40}, "with exceeded and runs, not both"),
 )
 
 
@@ -480,11 +591,14 @@ test_hazards_that_are_refused = refused_files(
     ("intensity,annual poe_50\n0.1,1\n1,0.1", "line 1: .* states no years"),
     ("# probability in 50 years\nintensity,frequency\n0.1,1\n1,0.1", "line 1: states prob"),
     ("0.1,1\n1,0.1", "line 1: has numbers instead of the names"),
+    ("# of a site\n\na,b\n0.1,1\n1,0.1", "line 3: the columns are a, b"),
     ("intensity,frequency\n0.1,1\n0.1,0.5", "line 3: intensity = 0.1: is given twice"),
     ("intensity,frequency\n0.1,1\n0.2,2", "line 3: frequency = 2: must not grow"),
     ("intensity,return_period\n0.1,475\n0.2,100", "line 3: frequency = 0.01: must not grow"),
     ("intensity,return_period\n0.1,0\n0.2,100", "line 2: return_period = 0"),
     ("intensity,poe_50\n0.1,1\n0.2,1", "has 0 point"),
+    ("intensity,poe_0\n0.1,0.1\n1,0.01", "line 1: the column poe_0 states no years"),
+    ("intensity,frequency\n0.1,-1\n1,0.1", "line 2: frequency = -1: must be .* number > 0$"),
     (_openquake(1.0, "PGA", [0.1, 1.0], [0.1, 0.01], [0.1, 0.01]), "has 2 sites"),
     (_openquake(1.0, "IA", [0.1, 1.0], [0.1, 0.01]), "line 1: must state .* PGA, SA, AvgSA"),
     (_openquake(1.0, "PGV", [0.1, 1.0], [0.1, 0.01]), "PGV is in cm/s, .* fragility in g"),
@@ -535,6 +649,10 @@ def test_frequencies_above_one_warn() -> None:
     found = rwmf.risk((0.5, 0.4), {"intensity": [0.1, 1.0], "frequency": [20.0, 2.0]})
     assert "hazard: annual frequencies above 1 (up to 20 in 2 of 2 points)" in found.warnings
     assert "the annual frequency" in found.warnings
+    # a return period states that it is one
+    short = rwmf.risk((0.5, 0.4), {"intensity": [0.1, 1.0], "return_period": [0.05, 0.5]})
+    assert float(short["annual_frequency"]) == pytest.approx(float(found["annual_frequency"]))
+    assert "are they frequencies" not in short.warnings
 
 
 def test_a_step_at_an_edge_of_the_bins() -> None:
