@@ -37,7 +37,14 @@ NAMELESS = """
   return node.checkVisibility() && !words && !named;
 }).map((node) => node.outerHTML)
 """
-
+# waits until the page fills the screen, or no longer; its policy forbids the strings of playwright
+FULL = """
+async (full) => {
+  while ((document.fullscreenElement !== null) !== full) {
+    await new Promise((done) => setTimeout(done, 10));
+  }
+}
+"""
 
 # every key that is offered, set, and taken out again where it can be
 OFFERED = """
@@ -473,7 +480,7 @@ def test_full_screen_for_an_audience(show: Open, size: tuple[int, int]) -> None:
     """Nothing is cut off, the text is larger, and the portrait follows the clock."""
     opened = show(viewport={"width": size[0], "height": size[1]})
     opened.page.get_by_role("button", name="Full screen").click()
-    opened.page.wait_for_function("document.fullscreenElement !== null")
+    opened.page.evaluate(FULL, True)
     opened.settle()
     assert opened.page.evaluate(
         "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
@@ -486,7 +493,7 @@ def test_full_screen_for_an_audience(show: Open, size: tuple[int, int]) -> None:
     opened.page.get_by_role("button", name="Next impact").click()
     assert point.get_attribute("cx") != first
     opened.page.get_by_role("button", name="Full screen").click()
-    opened.page.wait_for_function("document.fullscreenElement === null")
+    opened.page.evaluate(FULL, False)
     assert opened.page.locator("#spectrum").is_visible()
 
 
