@@ -102,6 +102,25 @@ def test_another_case_is_refused(whole: Path, tmp_path: Path) -> None:
         _sweep(path)
 
 
+def test_another_vertical_record_is_refused(tmp_path: Path) -> None:
+    """Its file is read again, beside records that are an axis of the sweep."""
+    times = np.arange(100) * 0.02
+    for name, size in (("a", 1.0), ("b", 2.0), ("up", 0.5)):
+        np.savetxt(tmp_path / f"{name}.csv", np.c_[times, size * np.sin(times)], delimiter=",")
+    keys = {"unit": "m/s2", "file": str(tmp_path / "up.csv")}
+    case = coupled(solver=CASE_SOLVER, vertical=keys)
+    records = [tmp_path / "a.csv", tmp_path / "b.csv"]
+
+    def sweep() -> None:
+        rwmf.sweep(case, {"T_s": [0.5]}, records, tmp_path / "s.nc", unit="m/s2").close()
+
+    sweep()
+    sweep()
+    np.savetxt(tmp_path / "up.csv", np.c_[times, np.cos(times)], delimiter=",")
+    with pytest.raises(InputError, match="another sweep"):
+        sweep()
+
+
 def test_parts_and_merge(whole: Path, tmp_path: Path) -> None:
     path = tmp_path / "whole.nc"
     for k in (3, 1):
