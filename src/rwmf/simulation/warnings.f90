@@ -302,11 +302,12 @@ contains
          call add_line('the momentum balance leaves no velocity at impact for so squat a wall: ' &
             //'e = 0', lines)
       end if
-      texts = distinct_texts(far(1), far(2))
-      if (far(3) > round_off) call add_line('e = '//trim(texts(1)) &
-         //' is below e_max = '//trim(texts(2)) &
-         //", that of &impact rule = 'coupled': the impulse would act " &
-         //trim(rounded_text(far(3)))//' base widths outside the base', lines)
+      if (far(3) > round_off) then
+         texts = distinct_texts(far(1), far(2))
+         call add_line('e = '//trim(texts(1))//' is below e_max = '//trim(texts(2)) &
+            //", that of &impact rule = 'coupled': the impulse would act " &
+            //trim(rounded_text(far(3)))//' base widths outside the base', lines)
+      end if
       if (slides(1) > 0 .and. .not. case%wall%shear_key) call add_line('tan(alpha) = ' &
          //trim(rounded_text(slides(1)))//' with e = ' &
          //trim(rounded_text(slides(2))) &
