@@ -187,14 +187,14 @@ class Motion:
         found: dict[str, Any] = {"file": self.name, "unit": self.unit}
         return found if self.dt is None else found | {"dt": self.dt}
 
-    def write(self, path: str | os.PathLike[str], header: Sequence[str] = ()) -> None:
+    def write(self, path: str | os.PathLike[str], header: str | Sequence[str] = ()) -> None:
         """Write the samples as a record file: one column, or times and values.
 
         Parameters
         ----------
         path : str or path
             The file; the numbers round-trip to the same bits.
-        header : sequence of str, optional
+        header : str or sequence of str, optional
             Lines of comment above the numbers.
 
         Raises
@@ -205,7 +205,8 @@ class Motion:
         if not isinstance(path, str | os.PathLike):
             raise InputError(f"path = {show(path)}: must be the path of a file")
         columns = [self.values] if self._times is None else [self._times, self.values]
-        lines = [f"# {line}" for line in header]
+        texts = [header] if isinstance(header, str) else header
+        lines = [f"# {line}" for text in texts for line in text.splitlines()]
         lines += [" ".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
         files.write_bytes(Path(path), ("\n".join(lines) + "\n").encode())
 

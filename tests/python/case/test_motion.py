@@ -163,3 +163,9 @@ def test_what_a_case_makes_of_samples_is_checked() -> None:
     early = rwmf.Motion([0.0, 1.0], times=[-2.0, -1.0], unit="g")
     with pytest.raises(rwmf.InputError, match="before t = 0"):
         block(motion=early, solver=None)
+
+
+@pytest.mark.parametrize("header", ["from a table\n0.1 s", ["from a table", "0.1 s"]])
+def test_every_line_of_a_header_is_a_comment(header: str | list[str], tmp_path: Path) -> None:
+    rwmf.Motion([0.5, -0.25], dt=0.1, unit="m/s2").write(tmp_path / "a.txt", header)
+    assert (tmp_path / "a.txt").read_text() == "# from a table\n# 0.1 s\n0.5\n-0.25\n"
