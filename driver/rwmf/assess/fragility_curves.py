@@ -123,7 +123,7 @@ class Fit:
     ----------
     median : numpy.ndarray, shape (b,)
         Medians; infinite where no run exceeds, 0 where every run does, NaN where the probability
-        does not grow.
+        falls or stays constant with intensity.
     dispersion : numpy.ndarray, shape (b,)
         Standard deviations of the logarithm [-]; NaN without a fit, 0 for a step.
     slope : numpy.ndarray, shape (b,), optional
