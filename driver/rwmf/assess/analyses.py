@@ -15,7 +15,7 @@ import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 
-from rwmf.assess.table import describe, read_table, table_of, write_table
+from rwmf.assess.table import describe, read_table, refuse_least, table_of, write_table
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.arguments import case_of, checked, texts_of
 from rwmf.errors import InputError
@@ -267,6 +267,7 @@ def _limits(limits: Mapping[str, float] | None) -> dict[str, float]:
     found = {}
     for word, value in limits.items():
         (name,) = find_quantities((str(word),))
+        refuse_least([name])
         found[name] = to_number(f"limits: {name}", value)
     return found
 

@@ -14,7 +14,7 @@ import xarray as xr
 from scipy.special import erfcx, log_ndtr, ndtr
 
 from rwmf.assess.loss import shape_factor_of
-from rwmf.assess.table import quantities_of, read_table, warnings_of
+from rwmf.assess.table import quantities_of, read_table, refuse_least, warnings_of
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import show, to_array, to_number, to_whole
@@ -479,6 +479,7 @@ def _asked(
         if limit is None:
             raise InputError("fragility: limit: is missing: the limit of the quantity")
         quantity = _quantity(rows, quantities)
+        refuse_least([quantity])
     usual = _OF_ANALYSIS.get(str(rows.attrs.get("analysis")), "counts")
     if quantity == COLLAPSE and "cloud" in (method or usual):
         if method == "cloud":

@@ -26,7 +26,7 @@ from rwmf.kernel.files import new_file, path_of
 from rwmf.kernel.names import readable, shorten
 from rwmf.kernel.numbers import first_masked, show, to_array, to_items
 from rwmf.run.arguments import dataset_of
-from rwmf.run.quantities import ENDINGS, fallen, find_quantities
+from rwmf.run.quantities import ENDINGS, fallen, find_quantities, is_least
 from rwmf.sweeps import netcdf
 from rwmf.sweeps.points import is_netcdf, read_csv, read_netcdf
 
@@ -321,11 +321,14 @@ def demand_percentiles(
     if rows.attrs.get("analysis") == "cloud":
         raise InputError("percentiles: the table is a cloud, without common levels of intensity")
     known = quantities_of(rows)
-    names = known if quantities is None else texts_of("quantities", quantities)
+    names = [name for name in known if not is_least(name)]
+    if quantities is not None:
+        names = texts_of("quantities", quantities)
     unknown = [name for name in names if name not in known]
     if unknown:
         listed = ", ".join(known) or "none"
         raise InputError(f"quantities: {show(unknown[0])}: is not in the table, which has {listed}")
+    refuse_least(names)
     percent = to_array("q", q, least=1)
     if not ((percent >= 0) & (percent <= 100)).all():
         raise InputError(f"q = {show(q)}: must be in [0, 100] [%]")
@@ -381,10 +384,20 @@ def _curves(rows: xr.Dataset, name: str, levels: Array) -> Array:
     return np.array(found)
 
 
+def refuse_least(names: Iterable[str]) -> None:
+    """Refuse smallest values as demands."""
+    for name in filter(is_least, names):
+        raise InputError(
+            f"quantities: {name}: is a smallest value, which falls with the intensity: name a "
+            "largest one"
+        )
+
+
 def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
-    """Return a quantity of a sweep, infinite for overturning or collapse."""
+    """Return a quantity of a sweep, infinite for overturning or collapse (a smallest: -inf)."""
     stands = dataset["status"].copy(data=~fallen(dataset))
-    return dataset[name].where(stands, np.inf).assign_attrs(dataset[name].attrs)
+    worst = -np.inf if is_least(name) else np.inf
+    return dataset[name].where(stands, worst).assign_attrs(dataset[name].attrs)
 
 
 @checked
@@ -395,6 +408,9 @@ def quantile(
     dim: str = "record",
 ) -> xr.DataArray:
     """Compute quantiles of a quantity over a suite; overturned and collapsed runs are infinite.
+
+    Values keep their sign: take the magnitudes of residual drifts first. A smallest value, such as
+    ``pivot_normal_min``, counts as minus infinity in such a run.
 
     A quantile is the value of a run, by ranks, because no number lies between a finite and an
     infinite one. It is infinite where too many runs overturned or collapsed; the quantiles of

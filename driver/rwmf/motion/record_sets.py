@@ -659,6 +659,8 @@ def components(
     """Find the components of records."""
     found: list[Component] = []
     named: list[Path] = []
+    words = list(words)
+    hold_to_motions(words, unit=unit, dt=dt)
     for word in words:
         if isinstance(word, RecordFile):
             found.append((word, "", None))
@@ -686,6 +688,20 @@ def components(
             for path in sorted(verticals_beside(dict.fromkeys(named)))
         )
     return found
+
+
+def hold_to_motions(words: Sequence[object], **facts: object) -> None:
+    """Refuse facts of files that motions contradict, where no file is among them."""
+    motions = [word for word in words if isinstance(word, Motion | RecordFile)]
+    for motion in motions if len(motions) == len(words) else ():
+        for key, given in facts.items():
+            own = getattr(motion, key, None)
+            is_open = own is None and isinstance(motion, RecordFile)
+            if given is not None and given != own and not is_open:
+                known = "" if own is None else f", and this motion has {key} = {show(own)}"
+                raise InputError(
+                    f"records: {motion.name}: {key} = {show(given)} belongs to files{known}"
+                )
 
 
 def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:

@@ -22,7 +22,7 @@ from rwmf.kernel.numbers import show, to_array, to_number, to_whole
 from rwmf.kernel.tables import unusual_record
 from rwmf.motion.formats import Channel
 from rwmf.motion.intensity import DAMPING, G
-from rwmf.motion.record_sets import read_bytes, read_channels
+from rwmf.motion.record_sets import hold_to_motions, read_bytes, read_channels
 from rwmf.motion.waveform import Array, Waveform, pseudo_accelerations, waveform_of
 
 _IN_SI = {"m/s2": 1.0, "cm/s2": 0.01}
@@ -400,6 +400,7 @@ def sequence(
     InputError
         When a file cannot be read, or the pause is shorter than a step of each motion.
     """
+    hold_to_motions([main, after], unit=unit, dt=dt)
     shocks = [
         shock if isinstance(shock, Motion) else read(shock, unit=unit, dt=dt)
         for shock in (main, after)
@@ -488,6 +489,7 @@ def process(
     Zeros around a filtered record: Converse and Brady, USGS Open-File Report 92-296A (1992).
     """
     record = motion
+    hold_to_motions([record], unit=unit, dt=dt, channel=channel)
     if not isinstance(record, Motion):
         record = read(record, unit=unit, dt=dt, channel=channel)
     poles = to_whole("poles", poles, 1, 10)

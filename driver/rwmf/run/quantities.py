@@ -192,6 +192,11 @@ def fallen(dataset: xr.Dataset) -> npt.NDArray[np.bool_]:
     return np.isin(status.values, codes)
 
 
+def is_least(name: str) -> bool:
+    """Tell a smallest value, which falls with the demand; strokes count by their size."""
+    return re.search(r"_min(_|$)", name) is not None and "stroke" not in name
+
+
 _LIST = "the list: reference/outputs.md"
 
 

@@ -304,6 +304,10 @@ contains
       end if
       if (far(3) > round_off) then
          texts = distinct_texts(far(1), far(2))
+         if (texts(2) == '1.0' .and. far(2) < 1) then
+            texts(2) = rounded_text(1 - far(2))
+            texts(2) = '1 - '//texts(2)(:21)
+         end if
          call add_line('e = '//trim(texts(1))//' is below e_max = '//trim(texts(2)) &
             //", that of &impact rule = 'coupled': the impulse would act " &
             //trim(rounded_text(far(3)))//' base widths outside the base', lines)

@@ -130,6 +130,18 @@ def test_further_samples_on_the_lines_change_nothing(kind: str) -> None:
     assert found[0] == pytest.approx(found[1], rel=1e-11)
 
 
+def test_facts_of_files_that_a_motion_contradicts() -> None:
+    motion, records = _noise(3), rwmf.records
+    assert records.intensity(motion, "arias", unit="m/s2", dt=motion.dt) > 0
+    for call in (
+        lambda: records.intensity(motion, "arias", unit="g"),
+        lambda: records.sequence(motion, motion, 1.0, dt=0.5),
+        lambda: records.process(motion, taper=1.0, channel=2),
+    ):
+        with pytest.raises(rwmf.InputError, match=r"= \S+ belongs to files"):
+            call()
+
+
 @pytest.mark.parametrize("kind", _OPTIONS)
 def test_units_signs_and_factors(kind: str) -> None:
     motion, options = _noise(5), _OPTIONS[kind]

@@ -41,6 +41,8 @@ def test_fallen_runs_are_infinite(kind: str) -> None:
     assert list(several["quantile"].values) == [0.5, 1.0]
     assert several.sel(quantile=0.5).values == pytest.approx(ranked[1])
     assert several.attrs == found["peak"].attrs
+    least = rwmf.quantile(found.rename(peak="peak_min"), "peak_min", 0.0).squeeze()
+    assert np.isneginf(least).all()
 
 
 def test_statuses_of_spectra_are_names() -> None:

@@ -172,6 +172,23 @@ def test_demands_count_by_magnitude() -> None:
     assert found[0].identical(found[1])
 
 
+def test_smallest_values_are_no_demands() -> None:
+    columns: dict[str, Any] = {
+        "record": ["a", "a", "b", "b"],
+        "intensity": [0.2, 0.4] * 2,
+        "u_s_max": [0.1, 0.2, 0.1, 0.3],
+        "pivot_normal_min": [0.8, 0.4, 0.7, 0.1],
+    }
+    assert "pivot_normal_min" not in studies.demand_percentiles(columns)
+    for call in (
+        lambda: rwmf.fragility(columns, 0.2, "pivot_normal_min"),
+        lambda: studies.demand_percentiles(columns, "pivot_normal_min"),
+        lambda: rwmf.ida(frame(), suite(1), LEVELS, limits={"pivot_normal_min": 0.0}),
+    ):
+        with pytest.raises(rwmf.InputError, match=r"pivot_normal_min\S*: is a smallest value"):
+            call()
+
+
 def test_records_replace_a_motion_in_memory() -> None:
     """A case whose motion is in memory needs no file for it."""
     first, second = suite(2)

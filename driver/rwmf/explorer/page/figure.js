@@ -5,8 +5,8 @@ import { short } from "./format.js";
 
 const SPACE = "http://www.w3.org/2000/svg";
 const PRINT = { ink: "#1b1f24", soft: "#57606a", line: "#d3d9df", paper: "#ffffff",
-  alone: "#6b7480",
-  c0: "#0072b2", c1: "#c04a00", c2: "#00795a", c3: "#9a6a00", c4: "#a0517f", c5: "#2878a5" };
+  alone: "#67707c",
+  c0: "#0072b2", c1: "#c04a00", c2: "#00795a", c3: "#956600", c4: "#a0517f", c5: "#2674a0" };
 
 function node(name, attributes, ...children) {
   const found = document.createElementNS(SPACE, name);
