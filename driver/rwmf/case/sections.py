@@ -214,6 +214,8 @@ def ufp(
     -----
     Strength and rolling strain: Kelly, Skinner and Heine, Bulletin of the New Zealand Society for
     Earthquake Engineering 5 (1972). Stiffness: unit load on the semicircle with rigid ends.
+    Flexible legs and fixings lower it: Baird et al. (2014) are quoted with 16/(27 pi) in place of
+    4/(3 pi), which was not checked here.
 
     Examples
     --------
