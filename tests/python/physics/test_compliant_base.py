@@ -267,7 +267,7 @@ def test_second_program(name: str) -> None:
 @pytest.mark.filterwarnings("ignore::rwmf.RwmfWarning")
 @pytest.mark.parametrize("number", range(18))
 def test_random_scene(number: int, tmp_path: Path) -> None:
-    """The peaks of random scenes are those of the second program (`bench/base_survey.py`)."""
+    """The peaks of random scenes are those of the second program."""
     scene_ = base_scene(number, tmp_path)
     truth = scene_.second_peaks()
     for name, peak in scene_.peaks(1e-9, tmp_path).items():
