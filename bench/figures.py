@@ -30,7 +30,6 @@ HERE, V070, V040 = "here", "0.7.0", "0.4.0"
 ROUNDS, LONGEST = 5, 15.0  # rounds of a scene, and time after which no further one begins [s]
 QUICK = 8  # of the periods, one
 TRUTH = 1e-13  # rtol
-BATCHES = 16, 80  # ordinates whose difference in instructions counts
 Groups = dict[str, Any]
 
 WALL: Groups = {
@@ -139,7 +138,7 @@ DEMANDS = (
 
 
 class Time(NamedTuple):
-    """A measurement: processor time of an ordinate or run [s], or instructions of an ordinate."""
+    """A measurement: processor time of an ordinate or run [s]."""
 
     scene: str
     rtol: float
@@ -191,15 +190,6 @@ class Build:
         self._start()
         return {"error": f"ended with {status}" if is_there else f"no answer in {patience:g} s"}
 
-    def instructions(self, **request: object) -> int:
-        """Count the instructions of a process that answers one request."""
-        valgrind = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
-        done = subprocess.run(
-            [*valgrind, *self.words], input=json.dumps(request) + "\n", text=True,
-            capture_output=True, env=self.environment, check=True,
-        )  # fmt: skip
-        return int(done.stderr.split("Collected :")[1].split()[0])
-
 
 def _serve() -> None:
     """Answer requests, one a line: groups of a case and either keys, a run or rows."""
@@ -217,14 +207,13 @@ def _serve() -> None:
             scene = case_of(json.dumps(request["groups"]))
             begin = time.process_time()
             if request["kind"] == "keys":
-                found = {"keys": scene.applicable(), "axes": list(scene.axes())}
+                found = {"keys": scene.applicable()}
             elif request["kind"] == "run":
                 with results.start_simulation(scene, ""):
                     found = {"seconds": time.process_time() - begin}
             else:
-                columns, keys = request.get("columns", ["T_s"]), request["keys"]
-                table = np.array(request["table"]).reshape(-1, len(columns))
-                with results.start_rows(scene, "", columns, table, keys, 1) as rows:
+                keys, table = request["keys"], np.array(request["table"])[:, np.newaxis]
+                with results.start_rows(scene, "", ["T_s"], table, keys, 1) as rows:
                     found = {"seconds": (time.process_time() - begin) / len(table)}
                     values = rows.values()
                 found |= {key: np.ravel(values[key]).tolist() for key in ["status", *keys]}
@@ -269,13 +258,6 @@ class Bench:
 
     def _once(self, one: Time) -> float:
         build, groups = self.builds[one.build], _groups(one.scene, method=one.method, rtol=one.rtol)
-        if one.kind == "instructions":
-            if one in self.best:
-                return self.best[one]
-            tables = [np.linspace(0.1, 3.0, n).tolist() for n in BATCHES]
-            counts = [build.instructions(kind="ordinate", groups=groups, keys=one.keys, table=table)
-                      for table in tables]  # fmt: skip
-            return (counts[1] - counts[0]) / (BATCHES[1] - BATCHES[0])
         if one.kind == "run":
             groups["output"] = {"reactions": False, "conditioning": False}
             periods = [{}] if "storeys" in groups else [{"T_s": 0.25 + 0.5 * i} for i in range(6)]
@@ -337,7 +319,6 @@ def _figures(bench: Bench) -> dict[str, list[Figure]]:
     singles = ("gamma = 5", "gamma = 1800", "pulse", "yielding frame")
     bent = [(name, kind) for name in ("2 modes", "6 modes") for kind in ("run", "ordinate")]
     few, many = (Time(f"{n} storeys", 1e-7, kind="run") for n in (50, 200))
-    count = Time("gamma = 5", 1e-7, kind="instructions")
     one_rtol = (1e-7,)
     return {
         "smooth": [one for name in SMOOTH for one in over_070(name, 0.6)],
@@ -358,8 +339,6 @@ def _figures(bench: Bench) -> dict[str, list[Figure]]:
                     for one in over_070(name, 0.6, one_rtol, kind=kind)],
         "growth": [Figure("200 storeys over 50", 4**2.1, (many,), (few,)),
                    Figure("200 storeys", 1 / 8.9, (many,), (many._replace(build=V070),))],
-        "instructions": [Figure("gamma = 5, 1e-07", 0.70 / 1.66, (count,),
-                                (count._replace(build=V070),))],
     }  # fmt: skip
 
 

@@ -25,7 +25,7 @@ _PAGES = {"claims.md": pages.claims_page, "validation.md": pages.validation_page
 def read_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(prog="python -m reproduce", description=__doc__)
-    text = "4 to 13, benefit, band, free, block, g5, disc, six_storeys; all when absent"
+    text = "4 to 13, benefit; all when absent"
     parser.add_argument("figures", nargs="*", metavar="FIGURE", help=text)
     text = "write claims.md and validation.md there"
     parser.add_argument("--docs", type=Path, metavar="DIR", help=text)

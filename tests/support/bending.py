@@ -7,14 +7,11 @@ integrated again up to the event. Sections of the wall are in equilibrium with t
 and the tendon above them.
 
 Masses, forces and energies are over the mass of the wall.
-`python tests/support/bending.py --scenes N` prints demands of random scenes as JSON.
 """
 
 from __future__ import annotations
 
-import argparse
 import copy
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -823,36 +820,3 @@ class _Run:
         a = self.wall.accelerate(x[None], v[None], a_g(t), a_v(t), side, self.wall.fuses,
                                  self.wall.storeys, held=False).a[0, 0] * side  # fmt: skip
         return a < 0 and 2 * abs(v[0]) / -a < CHATTER
-
-
-def solved(number: int) -> dict[str, Any]:
-    """Return a random scene with its demands, energies and events."""
-    from bending_scenes import bending_scene, ground_of
-
-    groups, record = bending_scene(number)
-    wall = BentWall(groups, ground_of(record))
-    course = wall.follow()
-    last = course.pieces[-1]
-    return {
-        "number": number,
-        "groups": groups,
-        "record": record,
-        "peaks": wall.largest(course),
-        "energy": wall.energies(course, last),
-        "missing": wall.balance(course, last),
-        "events": {"impacts": course.impacts, "lift_offs": course.lift_offs},
-        "t_end": course.t_end,
-    }
-
-
-def _main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenes", type=int, default=12, metavar="N", help="number of scenes")
-    parser.add_argument("--first", type=int, default=0, help="number of the first one")
-    given = parser.parse_args()
-    scenes = [solved(i) for i in range(given.first, given.first + given.scenes)]
-    print(json.dumps(scenes, indent=1, default=float))
-
-
-if __name__ == "__main__":
-    _main()

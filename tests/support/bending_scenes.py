@@ -1,15 +1,20 @@
-"""Random scenes with walls that bend, from numbers."""
+"""Random scenes with walls that bend, from numbers; runs of the kernel beside the program."""
 
 import math
 from typing import Any
 
 import numpy as np
+import pytest
+import rwmf
+from bending import BentWall
 from bending_parts import Ground, Groups
+
+Record = dict[str, list[float]] | None
 
 COUPLINGS = ("single", "every_floor", "full", "reduced", "none", "springs")
 
 
-def bending_scene(number: int) -> tuple[Groups, dict[str, list[float]] | None]:
+def bending_scene(number: int) -> tuple[Groups, Record]:
     """Return groups of a case and, where its motion is a record, times [s] and values [m/s2].
 
     The couplings take turns; `springs` comes sixth. Records have knots at multiples of 0.05 s and
@@ -86,9 +91,7 @@ def _frame(rng: np.random.Generator, coupling: str, h: float) -> Groups:
     return {"frame": {"xi_s": 0.04}, "storeys": storeys}
 
 
-def _motion(
-    rng: np.random.Generator, groups: Groups
-) -> tuple[Groups, dict[str, list[float]] | None]:
+def _motion(rng: np.random.Generator, groups: Groups) -> tuple[Groups, Record]:
     # roughly in proportion to the acceleration at uplift
     h, b = groups["wall"]["h"], groups["wall"]["b"]
     size = b / h * (1 + groups.get("cable", {}).get("eta_0", 0.0)) * rng.uniform(0.8, 1.6)
@@ -106,6 +109,37 @@ def _motion(
     return groups, {"times": times, "values": values}
 
 
-def ground_of(record: dict[str, list[float]] | None) -> Ground | None:
+def ground_of(record: Record) -> Ground | None:
     """Return the motion of a record, or none for a pulse."""
     return Ground.lines(record["times"], record["values"]) if record else None
+
+
+def bent_case(groups: Groups, record: Record = None, **solver: object) -> rwmf.Case:
+    """Make the kernel's case, with energies and demands and a tight tolerance."""
+    given = {name: dict(group) for name, group in groups.items()}
+    given["solver"] = given.get("solver", {}) | {"rtol": 1e-11} | solver
+    asked = {"energy": True, "reactions": True, "conditioning": False}
+    given["output"] = asked | given.get("output", {})
+    if record:
+        values, times = np.array(record["values"]), np.array(record["times"])
+        given["motion"] = rwmf.Motion(values, times=times, unit="m/s2")
+    return rwmf.Case(**given)
+
+
+def compare(
+    groups: Groups, record: Record, needed: set[str], loose: dict[str, float] | None = None
+) -> dict[str, Any]:
+    """Compare a run with the program to 1e-8, some numbers to another tolerance; return it."""
+    wall = BentWall(groups, ground_of(record))
+    course = wall.follow()
+    expected = wall.largest(course)
+    energies = wall.energies(course, course.pieces[-1])
+    expected |= {f"energy_{name}_J_per_kg": value for name, value in energies.items()}
+    run = rwmf.simulate(bent_case(groups, record)).flat()
+    assert run["energy_balance_relative"] < 1e-10
+    found = {key for key in expected if key in run}
+    assert needed <= found
+    for key in sorted(found):
+        rel = (loose or {}).get(key, 1e-8)
+        assert run[key] == pytest.approx(float(expected[key]), rel=rel, abs=1e-12), key
+    return run

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +12,10 @@ from typing import Any
 
 from rwmf import Case
 from rwmf.explorer.server import PageServer
+
+# a run that takes minutes
+ENDLESS = {"solver": {"t_end": 1e7, "method": "dop853"}, "impact": {"e": 1.0, "rule": "constant"},
+           "frame": {"T_s": 0.05, "gamma": 5.0, "xi_s": 0.0}}  # fmt: skip
 
 
 class Client:
@@ -65,6 +70,28 @@ class Client:
         status, content = self.post(path, json.dumps(question).encode())
         assert status != 200
         return status, json.loads(content)["error"]
+
+
+def text_of(client: Client, path: str, question: object, **headers: str) -> bytes:
+    """Write a request byte by byte."""
+    body = json.dumps(question).encode()
+    words = {"Host": f"127.0.0.1:{client.port}", "X-Token": client.token,
+             "Content-Length": str(len(body)), "Connection": "close"} | headers  # fmt: skip
+    lines = [f"POST {path} HTTP/1.1", *(f"{name}: {word}" for name, word in words.items())]
+    return "\r\n".join(lines).encode() + b"\r\n\r\n" + body
+
+
+@contextmanager
+def asked(client: Client, path: str, question: object) -> Iterator[socket.socket]:
+    """Ask, and keep the connection without reading."""
+    with socket.create_connection(("127.0.0.1", client.port), 30) as raw:
+        raw.sendall(text_of(client, path, question))
+        yield raw
+
+
+def received(raw: socket.socket) -> bytes:
+    """Read up to the end of a connection."""
+    return b"".join(iter(lambda: raw.recv(65536), b""))
 
 
 @contextmanager

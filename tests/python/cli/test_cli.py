@@ -9,12 +9,13 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import rwmf
 from checkout import Runner, run_python
 from processes import compute, spent_by_children
 from rwmf.kernel import tables
-from scenes import bare_frame, block, coupled
+from scenes import bare_frame, block, coupled, read_table
 
 RUN_KEYS = [
     "u_s_max_m",
@@ -164,6 +165,26 @@ def test_batch_notes_groups_of_the_command(batch: Runner, tmp_path: Path) -> Non
     assert [line for line in found.stderr.splitlines() if " note: " in line] == [
         f"rwmf-batch: {path}: note: &limits, &sensitivity: evaluated by the command rwmf only"
     ]
+
+
+def test_tables_of_the_batch_program(batch: Runner, tmp_path: Path) -> None:
+    """Names of files, the text of the case, quotes in a list, bits of numbers."""
+    motion = "&motion kind = 'record', file = 'say \"no\".txt', unit = 'g' / &output dt = 0.1 /"
+    lines = ["&wall h = 2.0, b = 0.5 /", "! second line", motion]
+    (tmp_path / 'say "no".txt').write_text("0 0\n1 900\n2 900\n", encoding="ascii")
+    names = {"a.b.nml": "a.b", ".nml": ".nml", "plain": "plain"}
+    for name in names:
+        (tmp_path / name).write_bytes("\r\n".join(lines).encode())
+    assert batch(*names).returncode == 0
+    found = rwmf.simulate(tmp_path / "a.b.nml")
+    for name in names.values():
+        comments, (row,) = read_table(tmp_path / f"{name}.summary.csv")
+        assert {f"# {line}" for line in lines} <= {*comments}
+        assert row["warnings"] == found.attrs["warnings"].replace("\n", "; ")
+        assert 'say "no"' in row["warnings"]
+        _, history = read_table(tmp_path / f"{name}.history.csv")
+        theta = [float(row["theta_rad"]) for row in history]
+        np.testing.assert_array_equal(theta, found["theta"])
 
 
 def test_check(command: Runner, case_file: Path) -> None:

@@ -23,7 +23,7 @@ from rwmf.figures import film as animate
 PERIODS = (0.5, 1.0, 2.0, 3.0)
 COARSE_GRID = ("T_s_min = 0.5", "n = 4")
 # figures without a spectrum: the same with this grid
-WITHOUT_SPECTRA = ("fig04", "free")
+WITHOUT_SPECTRA = ("fig04",)
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,13 @@
-"""Fixtures of the page in a browser."""
+"""Fixtures: a server with its client, the page in a browser."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from explorer_page import DESK, FIG12, Open, Opened
-from page_client import served
+from page_client import Client, served
 from rwmf import Case
 from rwmf.explorer.server import PageServer
 
@@ -16,9 +16,30 @@ if TYPE_CHECKING:
 
 
 @pytest.fixture(scope="module")
-def server() -> Iterator[PageServer]:
-    with served(Case.from_namelist(FIG12)) as (found, _):
+def both() -> Iterator[tuple[PageServer, Client]]:
+    with served(Case.from_namelist(FIG12)) as found:
         yield found
+
+
+@pytest.fixture(scope="module")
+def server(both: tuple[PageServer, Client]) -> PageServer:
+    return both[0]
+
+
+@pytest.fixture(scope="module")
+def client(both: tuple[PageServer, Client]) -> Client:
+    return both[1]
+
+
+@pytest.fixture(scope="module")
+def start(client: Client) -> dict[str, Any]:
+    return client.ask("/api/start", {})
+
+
+@pytest.fixture(scope="module")
+def state(start: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = start["state"]
+    return found
 
 
 @pytest.fixture

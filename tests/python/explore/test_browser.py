@@ -562,7 +562,7 @@ def test_a_hand_that_moves_fast(show: Open) -> None:
 
 
 def test_a_run_without_end_is_given_up(show: Open) -> None:
-    """A long computation is stopped by the next change, and by closing the tab."""
+    """A long computation is stopped by the next change."""
     opened = show()
     opened.open_all()
     # so stiff that a run takes minutes
@@ -575,13 +575,6 @@ def test_a_run_without_end_is_given_up(show: Open) -> None:
     opened.settle()
     assert opened.page.locator(".stale").count() == 0
     assert opened.number("u_s_max_m") == _peak()
-    opened.open_all()
-    opened.field("frame.xi_s").fill("1e12")
-    opened.field("frame.xi_s").press("Enter")
-    opened.page.get_by_text("computing").wait_for()
-    opened.page.close()
-    another = show()
-    assert another.number("u_s_max_m") == _peak()
 
 
 def test_what_accuracy_costs(show: Open) -> None:

@@ -84,6 +84,86 @@ def test_the_bits_of_one_run(elcentro: Path) -> None:
         assert wall.t == 4.0
 
 
+# uplift, rest, uplift again
+T = np.arange(601) * DT
+A = 5 * np.sin(7 * T) * np.sin(0.8 * T) + 1.5 * np.sin(23 * T) * np.sin(0.5 * T)
+A[((T > 5) & (T < 7)) | (T[-1] == T)] = 0
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.65])
+@pytest.mark.parametrize("method", [*METHODS, "bdf"])
+def test_pieces_of_one_run(method: str, ratio: float) -> None:
+    """A record in calls of one to six intervals: the digits of one run, by `dop853` the bits."""
+    case = case_of("", method).replace(
+        motion=rwmf.Motion(A, times=T, unit="m/s2"),
+        vertical={"ratio": ratio} if ratio else None,
+        solver={"t_end": float(T[-1]), "atol": 1e-11},
+    )
+    run = rwmf.simulate(case, 1.0)
+    impacts, first = 0, 0
+    with rwmf.Wall(case) as wall:
+        while first < T.size - 1:
+            last = min(T.size - 1, first + 1 + first % 6)
+            wall.advance_samples(T[first : last + 1], A[first : last + 1])
+            impacts += sum(event.kind == "impact" for event in wall.events)
+            first = last
+        state, peak = wall.state, wall.maxima.u_s_max
+    assert peak == pytest.approx(float(run.u_s_max), rel=1e-7)
+    assert impacts == state.impacts > 5
+    if method == "dop853":
+        assert (peak, state.theta) == (float(run.u_s_max), float(run.theta[-1]))
+        for name in ("impacts", "lift_offs", "steps"):
+            assert getattr(state, name) == int(getattr(run, name)), name
+
+
+@pytest.mark.parametrize("has_wall", [True, False])
+@pytest.mark.parametrize("amplitude", [5.0, 0.1])
+@pytest.mark.parametrize("method", [*METHODS, "bdf"])
+def test_a_motion_with_a_gap(method: str, amplitude: float, has_wall: bool) -> None:
+    """It ends the advance of a wall that rocks or rests, or of a frame, and changes nothing."""
+    case = case_of("", method)
+
+    def sine(t: float) -> float:
+        return amplitude * math.sin(2 * math.pi * t)
+
+    with rwmf.Wall(case if has_wall else case.without_wall(), peak=4.0) as wall:
+        with pytest.raises(rwmf.NumericalError, match="not finite"):
+            wall.advance_ground(2.0, lambda t: math.nan if 0.7 < t < 1.3 else sine(t))
+        assert (wall.t, wall.state.steps) == (0, 0)
+        wall.advance_ground(2.0, sine)
+
+
+@pytest.mark.parametrize("coupling", ["every_floor", "springs", "full"])
+def test_forces_of_storeys(coupling: str) -> None:
+    """The host gets the sum of all links, and the shear and damping of the lowest storey."""
+    m = np.array([3e3, 2e3, 1e3])
+    case = rwmf.Case(
+        wall={"h": 6.0, "b": 1.2, "m_w": 1e3},
+        frame={"xi_s": 0.05},
+        storeys={"m": m, "k": [6e5, 5e5, 3e5], "height": [6.0, 4.5, 1.5], "coupling": coupling}
+        | ({"k_link": 4e6} if coupling == "springs" else {}),
+        impact={"rule": "coupled"},
+        motion={"kind": "one_sine", "a_max_g": 0.5, "T_p": 0.7},
+        solver={"t_end": 1.0, "rtol": 1e-9},
+        output={"reactions": True},
+    )
+    run = rwmf.simulate(case, 0.05)
+    with rwmf.Wall(case) as wall:
+        for time, links, floors in zip(
+            run.time.values,
+            run.links_force.transpose("time", ...).values,
+            run.floors_acceleration_g.transpose("time", ...).values,
+            strict=True,
+        ):
+            if time == 0:
+                continue
+            wall.advance(float(time))
+            link, shear = wall.forces.link, wall.forces.frame_shear
+            assert link == pytest.approx(-np.nansum(links), rel=1e-6, abs=1e-3)
+            # momentum of the floors
+            assert link - shear == pytest.approx(9.81 * m @ floors, rel=1e-6, abs=1e-3)
+
+
 @pytest.mark.parametrize("threads", [1, 2, 7])
 def test_many_walls_have_the_bits_of_each(threads: int) -> None:
     cases = [case_of().replace(frame={"T_s": 0.3 + 0.1 * k}) for k in range(12)]
@@ -401,10 +481,11 @@ def test_ctrl_c_stops_one_wall(name: str, is_stepped: bool) -> None:
 @pytest.mark.parametrize("size", [1, 500])
 def test_cycles_leave_no_memory(size: int) -> None:
     """A lost byte in each cycle of one wall, or of one of many, would be seen."""
-    case = case_of(EFFECTS)
+    cases = [case_of(EFFECTS, method) for method in (*METHODS, "bdf")]
 
     def cycle(n: int) -> None:
         for i in range(n):
+            case = cases[i % 4]
             with rwmf.Wall(case) if size == 1 else rwmf.Walls(case, size) as wall:
                 snapshot = wall.save()
                 if i % 10 == 0:

@@ -5,7 +5,8 @@ import pytest
 import rwmf
 from bending import BentWall
 from bending_parts import Groups
-from bending_scenes import bending_scene, ground_of
+from bending_scenes import bending_scene, compare
+from bending_scenes import bent_case as _case
 
 H, B = 6.0, 1.2
 HEIGHTS = [4.2, 4.3, 3.5]
@@ -24,19 +25,6 @@ SCENES = [
     (19, {"storey_u_y": [0.0114, 0.0106, 0.0105]}, 0.09),
     (116, {"storey_u_y": [0.054, 0.041]}, 0.01),
 ]
-
-
-def _case(
-    groups: Groups, record: dict[str, list[float]] | None = None, **solver: object
-) -> rwmf.Case:
-    given = {name: dict(group) for name, group in groups.items()}
-    given["solver"] = given.get("solver", {}) | {"rtol": 1e-11} | solver
-    asked = {"energy": True, "reactions": True, "conditioning": False}
-    given["output"] = asked | given.get("output", {})
-    if record:
-        values, times = np.array(record["values"]), np.array(record["times"])
-        given["motion"] = rwmf.Motion(values, times=times, unit="m/s2")
-    return rwmf.Case(**given)
 
 
 def _building(coupling: str, **groups: object) -> Groups:
@@ -58,25 +46,15 @@ def test_scenes_agree_with_the_independent_program(
 ) -> None:
     groups, record = bending_scene(number)
     groups["yielding"] = strength | {"hardening": hardening}
-    wall = BentWall(groups, ground_of(record))
-    course = wall.follow()
-    expected = wall.largest(course)
-    energies = wall.energies(course, course.pieces[-1])
-    expected |= {f"energy_{name}_J_per_kg": value for name, value in energies.items()}
-    run = rwmf.simulate(_case(groups, record)).flat()
-    assert energies["hysteretic"] > 0.1 * energies["input"]
-    assert run["energy_balance_relative"] < 1e-10
-    found = {key for key in expected if key in run}
-    # the program for comparison samples the moment over the height
-    rough = {"wall_moment_max_over_m_w_g_m"} if number == 116 else set()
     storeys = len(groups["storeys"]["height"])
     needed = {f"storey_{i}_shear_max_over_m_w_g" for i in range(1, storeys + 1)}
     is_one = "reduced" in groups["storeys"]["coupling"]
     needed |= {"ductility"} if is_one else {"storey_1_ductility", "storey_2_ductility"}
-    assert needed | {"tip_deflection_max_m", "wall_drift_max", "impacts"} <= found
-    for key in sorted(found):
-        rel = 1e-5 if key in rough else 1e-8
-        assert run[key] == pytest.approx(float(expected[key]), rel=rel, abs=1e-12), key
+    needed |= {"tip_deflection_max_m", "wall_drift_max", "impacts"}
+    # the program for comparison samples the moment over the height
+    loose = {"wall_moment_max_over_m_w_g_m": 1e-5} if number == 116 else {}
+    run = compare(groups, record, needed, loose)
+    assert run["energy_hysteretic_J_per_kg"] > 0.1 * run["energy_input_J_per_kg"]
 
 
 def test_a_single_mass_leans_over_its_own_height() -> None:

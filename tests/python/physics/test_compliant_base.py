@@ -265,9 +265,10 @@ def test_second_program(name: str) -> None:
 
 
 @pytest.mark.filterwarnings("ignore::rwmf.RwmfWarning")
-@pytest.mark.parametrize("number", range(18))
+# 3, 7 and 13 take long
+@pytest.mark.parametrize("number", sorted({*range(25)} - {3, 7, 13, 18, 20, 22}))
 def test_random_scene(number: int, tmp_path: Path) -> None:
-    """The peaks of random scenes are those of the second program (`bench/base_survey.py`)."""
+    """The peaks of random scenes are those of the second program."""
     scene_ = base_scene(number, tmp_path)
     truth = scene_.second_peaks()
     for name, peak in scene_.peaks(1e-9, tmp_path).items():

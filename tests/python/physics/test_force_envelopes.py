@@ -178,6 +178,8 @@ def test_every_path_alike(coupling: str) -> None:
         if f"{name}_over_m_w_g" in run:
             ratio = float(run[f"{name}_over_m_w_g"])
             assert float(run[name]) == pytest.approx(ratio * M_W * G, rel=1e-15)
+    stress = float(run["tendon_force_max"]) / (20 * 1.4e-4)
+    assert float(run["tendon_stress_max"]) == pytest.approx(stress, rel=1e-14)
     links = [name for name in names if name.startswith("link") and name.endswith("force_max")]
     floors = range(1, 5) if coupling == "every_floor" else (4,)
     assert links == [f"link_{i}_force_max" for i in floors]
@@ -197,24 +199,6 @@ def _names(item: Quantity, run: xr.Dataset) -> list[str]:
     found = [name for name in dict.fromkeys(found) if name in run]
     assert found, item
     return found
-
-
-@pytest.mark.parametrize("coupling", ["full", "every_floor"])
-def test_rows_stay_below_the_peaks(coupling: str) -> None:
-    """Rows of a history of 0.1 ms stay below the located peaks, and some come close."""
-    run = rwmf.simulate(_storeys(coupling, output={"reactions": True}), dt=1e-4)
-    columns = {f"wall_{what}_base": f"wall_{what}_base_max" for what in ("shear", "moment")}
-    columns |= {"pivot_normal": "pivot_normal_max", "cable_force": "tendon_force_max"}
-    columns |= {"link_4_force": "link_4_force_max"}
-    if coupling == "every_floor":
-        columns |= {f"link_{i}_force": f"link_{i}_force_max" for i in (1, 2, 3)}
-    else:
-        assert "link_3_force" not in run
-    for column, peak in columns.items():
-        largest = float(abs(run[column]).max())
-        assert 0.998 * float(run[peak]) < largest <= float(run[peak]) * (1 + 1e-11), column
-    stress = float(run["tendon_force_max"]) / (20 * 1.4e-4)
-    assert float(run["tendon_stress_max"]) == pytest.approx(stress, rel=1e-14)
 
 
 def test_fuse_strokes() -> None:

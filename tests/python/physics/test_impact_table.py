@@ -45,17 +45,6 @@ def test_free_rocking_follows_the_table(method: str) -> None:
     assert speed[1:count] == pytest.approx(expected[: count - 1], rel=1e-7)
 
 
-def test_energy() -> None:
-    run = rwmf.simulate(
-        coupled(
-            impact=_table(SPEEDS, FACTORS),
-            model={"formulation": "exact"},
-            output={"energy": True},
-        )
-    )
-    assert abs(float(run["energy_balance_relative"])) < 1e-8
-
-
 def test_a_wall_that_loses_nothing_slowly_does_not_rest() -> None:
     """The end of chatter depends on the factors of all later velocities."""
     events = {}

@@ -13,29 +13,22 @@ SAME_PHYSICS = 1e-7
 TIGHT = {"rtol": 1e-10}
 
 
-def test_mirror_by_the_record(elcentro: Path) -> None:
-    """`symmetric`: motion -> -motion gives -theta, bit for bit."""
-    runs = [
-        rwmf.simulate(
-            coupled(motion=record(elcentro, scale=scale), solver={"t_end": 12.0}), dt=0.01
-        )
-        for scale in (1.0, -1.0)
-    ]
-    assert np.array_equal(runs[0]["theta"].values, -runs[1]["theta"].values)
-    assert float(runs[0]["u_s_max"]) == float(runs[1]["u_s_max"])
-    assert int(runs[0]["impacts"]) == int(runs[1]["impacts"])
-
-
-@pytest.mark.parametrize("formulation", ["published", "symmetric", "exact"])
+@pytest.mark.parametrize(
+    "groups",
+    [
+        {"model": {"formulation": "published"}},
+        {"vertical": {"ratio": 0.65}},
+        {"model": {"formulation": "exact"}},
+    ],
+)
 @pytest.mark.parametrize("scale", [4.0, 3.0])
-def test_dynamic_scaling(scale: float, formulation: str) -> None:
+def test_dynamic_scaling(scale: float, groups: dict[str, dict[str, object]]) -> None:
     """Lengths times L and times times sqrt(L): the same rotation."""
     time = math.sqrt(scale)
-    model = {"formulation": formulation}
-    first = rwmf.simulate(coupled(model=model, solver=TIGHT))
+    first = rwmf.simulate(coupled(**groups, solver=TIGHT))
     second = rwmf.simulate(
         coupled(
-            model=model,
+            **groups,
             wall={"h": 2.0 * scale, "b": 0.5 * scale},
             frame={"T_s": time},
             motion={"omega_p": 2 * math.pi / time},

@@ -155,41 +155,6 @@ def test_narrow_pulse_is_not_passed_over(kind: str, method: str) -> None:
     assert float(rwmf.simulate(loose)["u_s_max"]) == pytest.approx(expected, rel=100 * rtol)
 
 
-@pytest.mark.parametrize("name", PULSES)
-def test_mirrored_pulse(name: str) -> None:
-    """`symmetric`: motion -> -motion gives -theta, but for round-off."""
-    key = "v_p" if PULSES[name][0]["a_max_g"] is None else "a_max_g"
-    size = PULSES[name][0][key]
-    runs = [
-        rwmf.simulate(coupled(motion=_motion(name, **{key: sign * size})), dt=0.01)
-        for sign in (1, -1)
-    ]
-    assert float(runs[0]["theta_max_over_alpha"]) > 0.01
-    np.testing.assert_allclose(runs[0]["theta"], -runs[1]["theta"], rtol=0, atol=1e-15)
-    assert int(runs[0]["impacts"]) == int(runs[1]["impacts"])
-
-
-@pytest.mark.parametrize("name", PULSES)
-def test_dynamic_scaling(name: str) -> None:
-    """Lengths times L and times times sqrt(L): the same rotation."""
-    scale, solver = 3.0, {"rtol": 1e-10}
-    time = math.sqrt(scale)
-    first = rwmf.simulate(coupled(motion=_motion(name), solver=solver))
-    keys = _motion(name, T_p=T_P * time, t_0=T_0 * time)
-    if keys["v_p"] is not None:
-        keys["v_p"] = keys["v_p"] * time
-    second = rwmf.simulate(
-        coupled(
-            wall={"h": 2.0 * scale, "b": 0.5 * scale},
-            frame={"T_s": time},
-            motion=keys,
-            solver=solver | {"t_end": 10.0 * time},
-        )
-    )
-    expected = float(first["theta_max_over_alpha"])
-    assert float(second["theta_max_over_alpha"]) == pytest.approx(expected, rel=SAME_PHYSICS)
-
-
 def test_lift_off_on_a_flank() -> None:
     """A block lifts off when the acceleration passes g tan(alpha), on each side in turn."""
     limit = G * 0.25

@@ -76,8 +76,7 @@ def _record(name: str, record_folder: Path) -> rwmf.Case:
     )
 
 
-@pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-9])
-def test_random_scenes_keep_the_tolerance(rtol: float, record_folder: Path) -> None:
+def test_random_scenes_keep_the_tolerance(record_folder: Path) -> None:
     """Error at most rtol, or rtol times the sensitivity of the ordinate to its motion."""
     for case in random_cases(24, seed=8, records=record_folder):
         period = float(case.frame.T_s)
@@ -85,11 +84,13 @@ def test_random_scenes_keep_the_tolerance(rtol: float, record_folder: Path) -> N
             spectrum={"T_s": [period, 0.7 * period], "gamma": [float(case.frame.gamma), 5.0]}
         )
         truth = _peaks(case.replace(solver=TRUSTED))
-        found = _peaks(case.replace(solver={"rtol": rtol}))
         lifted = truth > 0
-        error = np.abs(found[lifted] / truth[lifted] - 1)
-        kappa = np.maximum(1.0, _sensitivity(case, truth, 10 * rtol)[lifted])
-        assert np.all(error <= PROMISED * rtol * kappa), case.text
+        for rtol in (1e-5, 1e-7, 1e-9):
+            found = _peaks(case.replace(solver={"rtol": rtol}))
+            error = np.abs(found[lifted] / truth[lifted] - 1)
+            if np.any(error > PROMISED * rtol):
+                error /= np.maximum(1.0, _sensitivity(case, truth, 10 * rtol)[lifted])
+            assert np.all(error <= PROMISED * rtol), case.text
 
 
 @pytest.mark.parametrize("formulation", ["symmetric", "exact"])

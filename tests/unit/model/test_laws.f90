@@ -1,4 +1,4 @@
-!> Springs that lose strength, against closed forms, point by point; laws along mirrored paths.
+!> Springs that lose strength, against closed forms, point by point.
 program test_laws
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
@@ -19,7 +19,6 @@ program test_laws
    if (checks%wants('wear')) call check_wear()
    if (checks%wants('pinched')) call check_pinched()
    if (checks%wants('exhausted')) call check_exhausted()
-   if (checks%wants('mirror')) call check_mirror()
    call checks%finish()
 
 contains
@@ -62,18 +61,6 @@ contains
       if (present(force)) call checks%close_to(spring_force(spring, branch, x*u_y), force*f_y, &
          name, rtol, atol)
    end subroutine pull
-
-   !> Create random turning points.
-   subroutine make_way(way)
-      real(wp), intent(out) :: way(:)
-      integer :: n
-
-      call random_init(repeatable=.true., image_distinct=.true.)
-      call random_number(way)
-      way = 2*way - 1
-      ! the amplitude grows, so that small and large loops occur
-      way = [(way(n)*(0.2_wp + 0.8_wp*n/size(way)), n=1, size(way))]
-   end subroutine make_way
 
    !> Spring of Ibarra, Medina and Krawinkler with the cap at 4 u_y, zero force 10 u_y beyond it,
    !> and a residual strength of one fifth.
@@ -218,34 +205,5 @@ contains
          rtol=1.0e-13_wp)
       call pull(spring, branch, x, 9.0_wp, 0.0_wp, 'for good')
    end subroutine check_exhausted
-
-   !> Compare force and dissipation along a path with those along its mirror image, bit by bit.
-   subroutine check_mirror()
-      character(13), parameter :: names(3) = [character(13) :: 'flag', 'peak_oriented', 'pinched']
-      real(wp) :: way(200)
-      type(spring_t) :: spring
-      type(branch_t) :: branch, mirrored
-      real(wp) :: x, worst
-      integer :: i, n
-
-      call make_way(way)
-      do i = 1, size(names)
-         spring = worn_spring(trim(names(i)), 150.0_wp, [0.5_wp, 0.3_wp])
-         branch = new_branch(spring)
-         mirrored = branch
-         x = 0
-         worst = 0
-         do n = 1, size(way)
-            call move(spring, branch, x, way(n))
-            call move(spring, mirrored, -x, -way(n))
-            x = way(n)
-            worst = max(worst, abs(spring_force(spring, branch, x) &
-               + spring_force(spring, mirrored, -x)), abs(spring_loss(spring, branch, x) &
-               - spring_loss(spring, mirrored, -x)))
-         end do
-         call checks%close_to(worst, 0.0_wp, trim(names(i))//', mirrored')
-         call checks%that(spring_loss(spring, branch, x) > 0, trim(names(i))//' takes energy')
-      end do
-   end subroutine check_mirror
 
 end program test_laws
