@@ -45,6 +45,7 @@ from rwmf.figures.levels import (
     outermost,
 )
 from rwmf.kernel import results, tables
+from rwmf.kernel.numbers import Array
 from rwmf.motion.records import RECORDS
 from rwmf.run.headline import headline_rows, rows_by_title, tendon_yield_of
 from rwmf.run.quantities import ENDINGS, Quantity, find
@@ -199,7 +200,6 @@ def compare_with_frame(quantity: Quantity, value: float, alone: float | None) ->
 
 
 Poll = Callable[[int], None]
-Array = npt.NDArray[np.float64]
 
 # rows of a history: more than the columns of a screen, few enough to draw at once
 _ROWS = 1500

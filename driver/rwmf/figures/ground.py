@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Motion
 from rwmf.case.arguments import checked
@@ -21,7 +20,7 @@ from rwmf.figures.styles import (
     make_panels,
     plain,
 )
-from rwmf.kernel.numbers import to_array
+from rwmf.kernel.numbers import Array, to_array
 from rwmf.run.arguments import dataset_of
 
 if TYPE_CHECKING:
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _THIN = 1.0
-_Array = npt.NDArray[np.float64]
 _HISTORIES = {
     "a": r"$\ddot u_g$ (g)",
     "v": r"$\dot u_g$ (m/s)",
@@ -38,7 +36,7 @@ _HISTORIES = {
 }
 
 
-def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) -> None:
+def draw_records(figure: Figure, records: Mapping[str, Mapping[str, Array]]) -> None:
     """Draw acceleration, velocity, displacement, spectrum and build-up of energy."""
     parts: Any = figure.subfigures(1, 2, width_ratios=[1.5, 1.0])
     left, right = parts
@@ -61,7 +59,7 @@ def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) ->
 
 
 def draw_selection(
-    figure: Figure, periods: _Array, target: _Array, spectra: _Array, label: str
+    figure: Figure, periods: Array, target: Array, spectra: Array, label: str
 ) -> None:
     """Draw the scaled spectra of a suite, their geometric mean and the target."""
     ax = figure.subplots()
@@ -75,8 +73,6 @@ def draw_selection(
     label_plainly(ax.yaxis)
     ax.legend()
 
-
-Array = npt.NDArray[np.float64]
 
 # default of `&model g` [m/s2]
 _G = 9.81
@@ -182,5 +178,4 @@ def _pseudo_acceleration(t: Array, a: Array, periods: Array, damping: float) -> 
             -(w**2) * sine * u + (cosine - damping * w * sine) * v + rate,
         )
         largest = np.maximum(largest, np.abs(u))
-    found: Array = w**2 * largest
-    return found
+    return w**2 * largest

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
@@ -30,7 +29,7 @@ from rwmf.figures.styles import (
     plain,
     series,
 )
-from rwmf.kernel.numbers import show
+from rwmf.kernel.numbers import Array, show
 from rwmf.run.arguments import dataset_of
 from rwmf.run.checks import Checks, LimitCheck
 from rwmf.run.quantities import find_numbered
@@ -375,9 +374,7 @@ def pushover(
     return ax
 
 
-def _segment(
-    curve: xr.Dataset, step: int
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _segment(curve: xr.Dataset, step: int) -> tuple[Array, Array]:
     """Return drifts, ascending, and shears of the step and the one before it."""
     rows = [max(step - 1, 0), step]
     drift, shear = (curve[name].values[rows] for name in ("roof_drift", "base_shear_over_weight"))
@@ -407,9 +404,7 @@ def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
     return list(found.values())
 
 
-def _hysteresis(
-    history: xr.Dataset, curve: xr.Dataset
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _hysteresis(history: xr.Dataset, curve: xr.Dataset) -> tuple[Array, Array]:
     """Return drift of the roof and resisting base shear of a run."""
     history = dataset_of(history, "rwmf.simulate")
     if "time" not in history.dims or "base_shear_over_weight" not in history:

@@ -13,7 +13,17 @@ import numpy.typing as npt
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked, texts_of
 from rwmf.errors import InputError, warn
-from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_shaped, to_whole
+from rwmf.kernel.numbers import (
+    Array,
+    Truths,
+    Wholes,
+    show,
+    to_array,
+    to_items,
+    to_number,
+    to_shaped,
+    to_whole,
+)
 from rwmf.kernel.results import check_threads
 from rwmf.kernel.stepping import KernelWalls, Saved, event_names
 
@@ -85,12 +95,9 @@ class Closable(NotPickled, Generic[_K]):
         self._guard.close()
 
 
-Reals = npt.NDArray[np.float64]
-Counts = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
-_Real = TypeVar("_Real", float, Reals)
-_Count = TypeVar("_Count", int, Counts)
-_Flag = TypeVar("_Flag", bool, Flags)
+_Real = TypeVar("_Real", float, Array)
+_Count = TypeVar("_Count", int, Wholes)
+_Flag = TypeVar("_Flag", bool, Truths)
 
 
 class WallState(NamedTuple, Generic[_Real, _Count, _Flag]):
@@ -105,7 +112,7 @@ class WallState(NamedTuple, Generic[_Real, _Count, _Flag]):
     u_s, u_s_dot, u_s_ddot : float
         Displacement of the frame relative to the ground [m] and its rates [m/s, m/s2].
     impacts, lift_offs, steps : int
-        Counts since the beginning; steps of the integrator.
+        Wholes since the beginning; steps of the integrator.
     at_rest, overturned, collapsed : bool
         Whether the wall rests on its base, has overturned, or a drift has passed its limit.
     """
@@ -196,11 +203,11 @@ class WallEvents(NamedTuple):
         Time [s], rotation [rad], rate of rotation [rad/s].
     """
 
-    wall: Counts
+    wall: Wholes
     kind: npt.NDArray[np.str_]
-    t: Reals
-    theta: Reals
-    theta_dot: Reals
+    t: Array
+    theta: Array
+    theta_dot: Array
 
 
 # first part of the way to the horizon that is searched for an event
@@ -528,20 +535,20 @@ class Walls(_Stepping):
         return f"<{self._n} Walls{'' if self._guard.is_open else ', closed'}>"
 
     @property
-    def state(self) -> WallState[Reals, Counts, Flags]:
+    def state(self) -> WallState[Array, Wholes, Truths]:
         """Present states as arrays of shape (walls,), which the kernel has written."""
         with self._guard as kernel:
             reals, counts = kernel.states()
         return WallState(*reals[1:8], *counts[:3], *(flag != 0 for flag in counts[3:]))
 
     @property
-    def maxima(self) -> WallMaxima[Reals]:
+    def maxima(self) -> WallMaxima[Array]:
         """Largest ``|u_s|`` [m], ``|theta|`` [rad] and ``|theta_dot|`` [rad/s] of each wall."""
         with self._guard as kernel:
             return WallMaxima(*kernel.states()[0][8:])
 
     @property
-    def forces(self) -> WallForces[Reals]:
+    def forces(self) -> WallForces[Array]:
         """Present forces of each wall [N], in N/kg without a mass in its case."""
         with self._guard as kernel:
             return WallForces(*kernel.forces())
@@ -555,7 +562,7 @@ class Walls(_Stepping):
         return WallEvents(wall, np.array(event_names())[kinds - 1], *reals)
 
 
-def _is_plain(value: object, ndim: int = 1) -> TypeGuard[Reals]:
+def _is_plain(value: object, ndim: int = 1) -> TypeGuard[Array]:
     """Check for an array that the kernel reads as it is."""
     return (
         type(value) is np.ndarray
@@ -565,7 +572,7 @@ def _is_plain(value: object, ndim: int = 1) -> TypeGuard[Reals]:
     )
 
 
-def _columns(a: object, walls: int, times: int) -> Reals:
+def _columns(a: object, walls: int, times: int) -> Array:
     """Return accelerations as (times, walls) or (times, 1) in Fortran order."""
     rows = a if _is_plain(a, 1) or _is_plain(a, 2) else to_shaped("a", a)
     if rows.shape not in ((times,), (walls, times)):

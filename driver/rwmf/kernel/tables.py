@@ -21,6 +21,7 @@ from rwmf.kernel.marshalling import (
     split_lines,
     split_table,
 )
+from rwmf.kernel.numbers import Array
 
 _BUFFER = 200
 
@@ -66,8 +67,8 @@ class FileChannel(NamedTuple):
     unit: str
     name: str
     dt: float | None
-    values: npt.NDArray[np.float64]
-    times: npt.NDArray[np.float64] | None
+    values: Array
+    times: Array | None
 
 
 def read_record_header(content: bytes) -> FileHeader:
@@ -218,9 +219,7 @@ def digits_of(rtol: float, sensitivity: float) -> int:
     return int(_kernel.digits_of(rtol, sensitivity))
 
 
-def strip_under(
-    normal: npt.NDArray[np.float64], phi: npt.NDArray[np.float64], *strip: float
-) -> npt.NDArray[np.float64]:
+def strip_under(normal: Array, phi: Array, *strip: float) -> Array:
     """Compute contact, toe stress, moment, settlement of a strip: width, thickness, k, strength."""
     found = np.empty((normal.size, 4), order="F")
     _kernel.strip_under(*strip, normal, phi, found)

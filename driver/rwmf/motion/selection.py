@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Motion
 from rwmf.case.arguments import checked
@@ -18,7 +17,7 @@ from rwmf.errors import InputError, warn
 from rwmf.kernel import files
 from rwmf.kernel.files import path_of
 from rwmf.kernel.names import shorten
-from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
+from rwmf.kernel.numbers import Array, Truths, show, to_array, to_items, to_number, to_whole
 from rwmf.kernel.progress import Reports, reporting
 from rwmf.motion.formats import (
     ACCELERATION,
@@ -120,7 +119,6 @@ def pairs(
     return tuple(found)
 
 
-Array = npt.NDArray[np.float64]
 _ROLES = {
     "period": (
         known_words("t tn period periods natural vibration structural fundamental"),
@@ -606,7 +604,7 @@ def eurocode8(
     return np.stack([periods, np.select(regions, parts, top * T_C * T_D / periods**2)])
 
 
-def _regions(last: float, *corners: float) -> tuple[Array, list[npt.NDArray[np.bool_]]]:
+def _regions(last: float, *corners: float) -> tuple[Array, list[Truths]]:
     """Return periods even in their logarithm with the corners between them, and their regions."""
     inner = [corner for corner in corners if _BEGIN < corner < last]
     periods = np.unique(np.concatenate([np.geomspace(_BEGIN, last, _BETWEEN), inner]))
