@@ -481,8 +481,7 @@ def _frame_scene(ax: Axes, case: Case, building: Building | None, moves: Array) 
     # room for the texts above
     upward = max(1.33 * height, (right - left) * box.height / box.width)
     beside = 0.5 * (upward * box.width / box.height - (right - left))
-    ax.set_xlim(left - beside, right + beside)
-    ax.set_ylim(-0.08 * height, upward - 0.08 * height)
+    ax.set(xlim=(left - beside, right + beside), ylim=(-0.08 * height, upward - 0.08 * height))
     ax.set_aspect("equal")
     ax.set_axis_off()
 
