@@ -78,7 +78,8 @@ def _interrupt(number: int, _: object) -> None:
 
 def _run(arguments: Sequence[str] | None) -> int:
     """Run a command; its function returns an exit status, the written files, or None."""
-    options = make_parser().parse_args(arguments)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = make_parser(arguments).parse_args(arguments)
     # import only the module of the requested command
     module, function = options.run.split(".")
     with warnings.catch_warnings():
