@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import logging
 import re
 import sys
@@ -36,6 +35,8 @@ call_depth: ContextVar[int] = ContextVar("call_depth", default=0)
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Suggest a known word for an unknown one, for the message of an error."""
+    import difflib
+
     by_lower = {name.lower(): name for name in known}
     near = difflib.get_close_matches(word.lower(), by_lower, n=1)
     return f", did you mean {by_lower[near[0]]}?" if near else ""

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 
@@ -21,14 +20,13 @@ from rwmf.case.arguments import case_of, checked, texts_of
 from rwmf.errors import InputError
 from rwmf.kernel import files, tables
 from rwmf.kernel.names import readable
-from rwmf.kernel.numbers import show, to_array, to_number
+from rwmf.kernel.numbers import Array, Truths, show, to_array, to_number
 from rwmf.motion.intensity import Intensity, choose_intensity, scale_to_one
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import default_quantity, fallen, find_quantities
 from rwmf.sweeps.computation import SweepOptions, path_of_store, sweep
 from rwmf.sweeps.plan import united
 
-Array = npt.NDArray[np.float64]
 Designs = CaseLike | Mapping[str, CaseLike] | Sequence[CaseLike]
 Records = Sequence[str | os.PathLike[str] | RecordFile | Motion]
 _MEASURE = ("intensity", "period", "damping", "periods")
@@ -291,14 +289,14 @@ class _Search:
     highest: float
     lowest: float
 
-    def reached(self, table: xr.Dataset) -> npt.NDArray[np.bool_]:
+    def reached(self, table: xr.Dataset) -> Truths:
         """Find the runs at or above capacity."""
         found = fallen(table)
         for name, limit in self.limits.items():
             found |= np.abs(table[name].values) > limit
         return found
 
-    def next_level(self, levels: Array, reached: npt.NDArray[np.bool_]) -> float | None:
+    def next_level(self, levels: Array, reached: Truths) -> float | None:
         """Return the next level of one record, None at the end of its search."""
         if not reached.any():
             top = float(levels.max())

@@ -20,10 +20,9 @@ from rwmf.assess.fragility_curves import exceedance
 from rwmf.assess.table import read_columns, warnings_of
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
-from rwmf.kernel.numbers import show, to_array, to_items, to_number
+from rwmf.kernel.numbers import Array, Truths, Wholes, show, to_array, to_items, to_number
 from rwmf.motion.formats import ACCELERATION, ColumnName, convert, known_words, read_column_name
 
-Array = npt.NDArray[np.float64]
 _FORMS = (
     "the path of a CSV file, a mapping with k0 and k, a mapping with intensity and frequency, "
     "or a pair (k0, k)"
@@ -137,7 +136,7 @@ def _from_columns(
     columns: Mapping[str, Array],
     source: str,
     unit: str,
-    lines: tuple[int, npt.NDArray[np.int64]] | None = None,
+    lines: tuple[int, Wholes] | None = None,
 ) -> Hazard:
     """Make a curve of two columns by the quantities and units that their names state."""
     head = source if lines is None else f"{source}, line {lines[0]}"
@@ -237,7 +236,7 @@ def _years(name: ColumnName, source: str) -> float:
 
 
 def _check(
-    is_good: npt.NDArray[np.bool_],
+    is_good: Truths,
     source: str,
     where: Sequence[str],
     name: str,

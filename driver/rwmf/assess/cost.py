@@ -11,13 +11,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError, NumericalError
 from rwmf.kernel import measure as _measure
 from rwmf.kernel.measure import Measurement, Reference
+from rwmf.kernel.numbers import Array, Truths
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.run.quantities import find_quantities
 
@@ -374,7 +374,7 @@ def _end_error(found: Measurement, reference: Measurement) -> float:
     return max(_ratio(error, scale) for error, scale in zip(errors, scales, strict=True))
 
 
-def _impact_error(found: npt.NDArray[np.float64], reference: npt.NDArray[np.float64]) -> float:
+def _impact_error(found: Array, reference: Array) -> float:
     """Largest distance of a clear impact of the reference from the nearest one found [s]."""
     clear = reference[_clear_impacts(reference)]
     if clear.size == 0:
@@ -386,13 +386,13 @@ def _impact_error(found: npt.NDArray[np.float64], reference: npt.NDArray[np.floa
     return float(np.minimum(abs(found[right] - clear), abs(found[left] - clear)).max())
 
 
-def _clear_impacts(times: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+def _clear_impacts(times: Array) -> Truths:
     """Return the impacts between flights that are long enough to differ from chatter."""
     if times.size == 0:
         return np.zeros(0, dtype=bool)
     flights = np.diff(times, prepend=0.0, append=np.inf)
     limit = _CHATTER * flights[:-1].max()
-    clear: npt.NDArray[np.bool_] = (flights[:-1] >= limit) & (flights[1:] >= limit)
+    clear: Truths = (flights[:-1] >= limit) & (flights[1:] >= limit)
     return clear
 
 

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError, warn
-from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
+from rwmf.kernel.numbers import Array, Truths, show, to_array, to_items, to_number, to_whole
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.checks import Limit, limits_of
@@ -66,7 +65,6 @@ def request_of(case: Case) -> dict[str, Any]:
     }
 
 
-Array = npt.NDArray[np.float64]
 Cost = Mapping[str, float] | Callable[[dict[str, float]], float]
 # word for overturning or collapse as the quantity of a target
 COLLAPSE = "collapse"
@@ -131,7 +129,7 @@ class Target:
         factor = f", motions times {self.scale:g}" if self.scale != 1 else ""
         return f"{goal} in {100 * self.share:g} % of the motions{factor}"
 
-    def value_of(self, values: Array, down: npt.NDArray[np.bool_]) -> float:
+    def value_of(self, values: Array, down: Truths) -> float:
         """Return the quantile that the limit is for, or the share of collapses."""
         if self.quantity == COLLAPSE:
             return float(down.mean())

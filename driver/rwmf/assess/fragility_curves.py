@@ -17,10 +17,8 @@ from rwmf.assess.loss import shape_factor_of
 from rwmf.assess.table import quantities_of, read_table, refuse_least, warnings_of
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
-from rwmf.kernel.numbers import show, to_array, to_number, to_whole
+from rwmf.kernel.numbers import Array, Truths, Wholes, show, to_array, to_number, to_whole
 from rwmf.run.quantities import fallen
-
-Array = npt.NDArray[np.float64]
 
 
 def exceedance(intensity: npt.ArrayLike, median: npt.ArrayLike, dispersion: npt.ArrayLike) -> Array:
@@ -52,7 +50,7 @@ class Observations:
     """
 
     coefficients: Array
-    kinds: npt.NDArray[np.int64]
+    kinds: Wholes
 
     def value(self, weights: Array, parameters: Array) -> tuple[Array, Array, Array]:
         """Compute log-likelihoods with gradient and Hessian."""
@@ -110,7 +108,6 @@ def maximise(observations: Observations, weights: Array, start: Array) -> Array:
     return found
 
 
-Kinds = npt.NDArray[np.int64]
 # a smaller deviation of logarithms is rounding
 _ROUNDING = 1e-12
 
@@ -191,7 +188,7 @@ def _step(levels: Array, exceeded: Array, runs: Array) -> float | None:
     return 0.0 if first == levels.min() and share >= 0.5 else float(first)
 
 
-def fit_capacities(logarithms: Array, kinds: Kinds, weights: Array) -> Fit:
+def fit_capacities(logarithms: Array, kinds: Wholes, weights: Array) -> Fit:
     """Fit capacities of records; the dispersion has n - 1 degrees of freedom."""
     n = len(weights)
     mean, scatter = np.full(n, math.nan), np.full(n, math.nan)
@@ -223,7 +220,7 @@ def fit_capacities(logarithms: Array, kinds: Kinds, weights: Array) -> Fit:
 
 
 def fit_cloud(
-    intensities: Array, demands: Array, kinds: Kinds, weights: Array, limit: float
+    intensities: Array, demands: Array, kinds: Wholes, weights: Array, limit: float
 ) -> Fit:
     """Fit a power law of the intensity with lognormal scatter to a cloud of demands."""
     n = len(weights)
@@ -308,7 +305,7 @@ class _Question:
         """Condition in words."""
         return COLLAPSE if self.quantity == COLLAPSE else f"{self.quantity} > {self.limit:g}"
 
-    def exceeded(self, table: xr.Dataset) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    def exceeded(self, table: xr.Dataset) -> tuple[Truths, Truths]:
         """Find the runs that exceed the limit, and those with a result."""
         down = fallen(table)
         if self.quantity == COLLAPSE:
@@ -740,9 +737,7 @@ def _capacities(
     return points, fit, resampled
 
 
-def _capacity(
-    x: Array, over: npt.NDArray[np.bool_], demands: Array | None, limit: float
-) -> tuple[float, int]:
+def _capacity(x: Array, over: Truths, demands: Array | None, limit: float) -> tuple[float, int]:
     """Return the logarithm of a record's capacity, or of its bound, and the kind of both."""
     if not over.any():
         return math.log(x[-1]), OVER

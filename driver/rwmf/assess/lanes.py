@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rwmf.case import Case, Motion
 from rwmf.errors import InputError, without_lines
 from rwmf.kernel import tables
-from rwmf.kernel.numbers import float_of, show
+from rwmf.kernel.numbers import Array, Truths, float_of, show
 from rwmf.kernel.progress import Progress
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import fallen, find_quantities, refuse_missing
@@ -37,7 +36,6 @@ from rwmf.sweeps.axes import (
 from rwmf.sweeps.computation import sweep
 from rwmf.sweeps.points import Points, point_axis
 
-Array = npt.NDArray[np.float64]
 # relative steps of the central differences; one-sided differences add half the smallest
 NEAR = (2e-4, 1e-4, 5e-5)
 # lanes of a central derivative
@@ -497,7 +495,7 @@ class Lanes:
                     row[item.column] = float(chosen)
         self._scenes = scenes
 
-    def run(self, requests: Sequence[Request]) -> tuple[Array, npt.NDArray[np.bool_]]:
+    def run(self, requests: Sequence[Request]) -> tuple[Array, Truths]:
         """Compute runs."""
         finished = self.runs
         self.runs += len(requests)
@@ -615,7 +613,6 @@ def _number(value: object) -> float:
     return number
 
 
-Truths = npt.NDArray[np.bool_]
 # factors on the steps, with the relative tolerances of their lanes: smaller steps follow only
 # where the differences disagree
 _LEVELS = ((1.0, 1e-9), (1.0, 1e-12), (0.1, 1e-13), (0.01, 1e-13), (1e-3, 1e-13))

@@ -9,7 +9,6 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rwmf.assess.table import quantities_of
@@ -17,7 +16,7 @@ from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.kernel import files
 from rwmf.kernel.names import xml_text
-from rwmf.kernel.numbers import show, to_items, to_number
+from rwmf.kernel.numbers import Array, Truths, show, to_items, to_number
 from rwmf.run.quantities import fallen
 
 # expected epsilon of the rare motion by seismic design category
@@ -134,7 +133,7 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
     return written
 
 
-def _pelicun_columns(table: xr.Dataset) -> dict[str, tuple[npt.NDArray[np.float64], str]]:
+def _pelicun_columns(table: xr.Dataset) -> dict[str, tuple[Array, str]]:
     """Return values in pelicun's units, and the unit, by the name of the column there."""
     g = float(table.attrs.get("g", _G))
     names = quantities_of(table)
@@ -150,9 +149,7 @@ def _pelicun_columns(table: xr.Dataset) -> dict[str, tuple[npt.NDArray[np.float6
     return dict(sorted(found.items()))
 
 
-def _pelicun_text(
-    columns: dict[str, tuple[npt.NDArray[np.float64], str]], chosen: npt.NDArray[np.bool_]
-) -> str:
+def _pelicun_text(columns: dict[str, tuple[Array, str]], chosen: Truths) -> str:
     lines = ["," + ",".join(columns), "Units," + ",".join(unit for _, unit in columns.values())]
     rows = zip(*(values[chosen].tolist() for values, _ in columns.values()), strict=True)
     lines += [f"{i}," + ",".join(map(repr, row)) for i, row in enumerate(rows)]

@@ -24,7 +24,7 @@ from rwmf.errors import InputError
 from rwmf.kernel import files
 from rwmf.kernel.files import new_file, path_of
 from rwmf.kernel.names import readable, shorten
-from rwmf.kernel.numbers import first_masked, show, to_array, to_items
+from rwmf.kernel.numbers import Array, Wholes, first_masked, show, to_array, to_items
 from rwmf.run.arguments import dataset_of
 from rwmf.run.quantities import ENDINGS, fallen, find_quantities, is_least
 from rwmf.sweeps import netcdf
@@ -59,7 +59,7 @@ _ENDED = ("collapse", *ENDINGS)
 def table_of(
     columns: Mapping[str, Any],
     attributes: Mapping[str, Any],
-    lines: npt.NDArray[np.int64] | None = None,
+    lines: Wholes | None = None,
 ) -> xr.Dataset:
     """Make a table from its columns."""
     found = {str(name): np.asarray(values) for name, values in columns.items()}
@@ -190,7 +190,7 @@ def _read_file(path: Path) -> xr.Dataset:
 
 def read_columns(
     path: Path, texts: set[str], content: str
-) -> tuple[dict[str, npt.NDArray[Any]], npt.NDArray[np.int64]]:
+) -> tuple[dict[str, npt.NDArray[Any]], Wholes]:
     """Read the columns of a CSV file."""
     if not Path(path_of(content, path)).is_file():
         raise InputError(f"{path}: the {content} does not exist, or is no regular file")
@@ -281,7 +281,6 @@ def describe(path: Path) -> str:
         raise InputError(f"{shorten(path)}: exists and is not the table of an analysis") from None
 
 
-Array = npt.NDArray[np.float64]
 # median and one standard deviation of a normal distribution on both sides
 _USUAL = (16.0, 50.0, 84.0)
 

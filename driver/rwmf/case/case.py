@@ -18,7 +18,7 @@ from rwmf.case.namelist import compose, numbers_of, read_text
 from rwmf.errors import InputError, did_you_mean, without_lines
 from rwmf.kernel import files, kernel_case, tables
 from rwmf.kernel.files import path_of
-from rwmf.kernel.numbers import show, to_array, to_items
+from rwmf.kernel.numbers import Array, show, to_array, to_items
 
 _NAMELIST = "the path of a namelist"
 
@@ -367,7 +367,7 @@ class Case(Groups):
             raise InputError("the case has no &frame: nothing is left without the wall")
         return self.replace(**changes_without_wall(self))
 
-    def paper_coefficients(self, theta: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    def paper_coefficients(self, theta: npt.ArrayLike) -> Array:
         """Compute the coefficients A_i and B_i of Eq. (15) of the paper.
 
         theta_ddot = A_1 theta_dot**2 + A_2 theta_dot + A_3 u_g_ddot + A_4 for theta < 0, and the

@@ -17,7 +17,7 @@ from rwmf.errors import InputError
 from rwmf.kernel import files
 from rwmf.kernel.kernel_case import keep_samples
 from rwmf.kernel.marshalling import Memory
-from rwmf.kernel.numbers import show, to_array, to_number
+from rwmf.kernel.numbers import Array, show, to_array, to_number
 
 UNITS = ("g", "m/s2", "cm/s2")
 # order of the derivative that the last steps of ObsPy leave: 2 for accelerations
@@ -75,8 +75,8 @@ class Motion:
     name: str
     samples: Memory
     unit: str
-    values: npt.NDArray[np.float64]
-    _times: npt.NDArray[np.float64] | None
+    values: Array
+    _times: Array | None
 
     def __init__(
         self,
@@ -161,9 +161,9 @@ class Motion:
         return cls(samples, dt=stats.delta, unit=unit or "m/s2", name=name or title)
 
     @property
-    def times(self) -> npt.NDArray[np.float64]:
+    def times(self) -> Array:
         """Times of the samples [s], read-only."""
-        times: npt.NDArray[np.float64]
+        times: Array
         if self._times is not None:
             return self._times
         times = np.arange(self.values.size) * np.float64(self.dt or 0.0)
@@ -249,7 +249,7 @@ class Motion:
         return f"Motion({self.name!r}: {self.values.size} samples, {sampling}, unit {self.unit!r})"
 
 
-def _kept(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def _kept(name: str, values: npt.ArrayLike) -> Array:
     """Copy an array into a read-only one; the kernel reports a sample that is not finite."""
     array = to_array(name, values, wanted=_ARRAY, is_finite=False)
     array.flags.writeable = False

@@ -9,21 +9,20 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case.motion import Motion
 from rwmf.errors import InputError
 from rwmf.kernel import kernel_case, tables
-from rwmf.kernel.numbers import is_whole, show, to_array, to_items, to_number
+from rwmf.kernel.numbers import Array, is_whole, show, to_array, to_items, to_number
 
 
 def numbers_of(
     groups: Mapping[str, object],
-) -> tuple[kernel_case.Changes, npt.NDArray[np.float64]] | None:
+) -> tuple[kernel_case.Changes, Array] | None:
     """Split an edit into keys and numbers."""
     kinds = _kinds()
     names: list[str] = []
-    values: list[npt.NDArray[np.float64]] = []
+    values: list[Array] = []
     for group, changes in groups.items():
         if not isinstance(changes, Mapping) or not changes:
             return None
@@ -39,7 +38,7 @@ def numbers_of(
     return kernel_case.Changes(tuple(names), sizes), numbers
 
 
-def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | None:
+def _numbers(name: str, kind: str, value: object) -> Array | None:
     """Return the value of a key as numbers; no numbers for None, which removes the key."""
     if value is None and kind:
         return np.zeros(0)

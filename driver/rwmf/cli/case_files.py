@@ -27,11 +27,11 @@ _INVENTORY = (
 )
 
 
-def run_check(options: argparse.Namespace) -> int:
+def run_check(options: argparse.Namespace) -> int | None:
     """Validate a case and print its contents, or the schema of all (``rwmf check``)."""
     if options.schema:
         print_json(make_schema())
-        return 0
+        return None
     if options.case is None:
         raise InputError("CASE.nml, or --schema: is missing")
     try:
@@ -54,7 +54,7 @@ def run_check(options: argparse.Namespace) -> int:
                 "values": values,
             }
         )
-        return 0
+        return None
     print(f"{options.case}: valid")
     for word, shown, nothing in _INVENTORY:
         print(f"{shown}: {', '.join(found.get(word, [])) or nothing}")
@@ -66,7 +66,7 @@ def run_check(options: argparse.Namespace) -> int:
     print("values, those that the case does not give in parentheses:")
     for name, group in case.groups.items():
         print(f"  {name:8s} {group!r}")
-    return 0
+    return None
 
 
 def _values_of(group: Group) -> dict[str, dict[str, Any]]:
@@ -151,7 +151,7 @@ _TENDON = """
 """
 
 
-def run_new(options: argparse.Namespace) -> int:
+def run_new(options: argparse.Namespace) -> None:
     """Write a commented case from four answers (``rwmf new``)."""
     path = Path(options.out)
     if path.exists() and not options.force:
@@ -165,7 +165,6 @@ def run_new(options: argparse.Namespace) -> int:
     files.write_bytes(path, text.encode())
     print_written([path])
     print(f"next: rwmf run {path}")
-    return 0
 
 
 def _answer(

@@ -77,15 +77,22 @@ def _interrupt(number: int, _: object) -> None:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    options = make_parser().parse_args(arguments)
+    """Run a command; its function returns an exit status, the written files, or None."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = make_parser(arguments).parse_args(arguments)
     # import only the module of the requested command
     module, function = options.run.split(".")
     with warnings.catch_warnings():
         # the commands print the warnings of their results
         warnings.simplefilter("ignore", RwmfWarning)
-        status: int = getattr(import_module(f"rwmf.cli.{module}"), function)(options)
+        found = getattr(import_module(f"rwmf.cli.{module}"), function)(options)
+        if not isinstance(found, int):
+            # imported here: its libraries are loaded with the command
+            from rwmf.cli.output import print_written
+
+            print_written(found or (), is_json=getattr(options, "json", False))
     sys.stdout.flush()
-    return status
+    return found if isinstance(found, int) else 0
 
 
 def _follows_interrupt(error: BaseException) -> bool:

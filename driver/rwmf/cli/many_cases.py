@@ -16,15 +16,7 @@ from rwmf.assess.pulses import equal_response, overturning_map
 from rwmf.assess.wall_effect import wall_effect
 from rwmf.case import Case
 from rwmf.case.arguments import case_of
-from rwmf.cli.output import (
-    check_words,
-    compare,
-    print_checks,
-    print_json,
-    print_warnings,
-    print_written,
-    printed_warnings,
-)
+from rwmf.cli import output
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError, Interrupted
 from rwmf.figures import image_files as figures
@@ -41,14 +33,14 @@ from rwmf.sweeps.executors import open_executor
 from rwmf.sweeps.sweep_file import read_sweep_file
 
 
-def run_spectrum(options: argparse.Namespace) -> int:
+def run_spectrum(options: argparse.Namespace) -> list[str | None]:
     """Compute a spectrum (``rwmf spectrum``)."""
     case = Case.from_namelist(options.case)
     case = with_grid(case, quantities=options.quantities)
     outputs = [options.out, options.plot, *(options.checks or ())]
     files.check_outputs(outputs, case.inputs)
     figures.check_formats(options.plot)
-    check_words(case, options.checks)
+    output.check_words(case, options.checks)
     with (
         progress_bar(case.kernel.ordinates()) as report,
         start_spectrum(case, options.threads, report) as sweep,
@@ -56,17 +48,16 @@ def run_spectrum(options: argparse.Namespace) -> int:
         dataset = to_dataset(sweep)
         if options.out:
             sweep.write(case.text, options.out)
-    print_warnings(options.case, dataset.attrs["warnings"].splitlines())
+    output.print_warnings(options.case, dataset.attrs["warnings"].splitlines())
     if options.plot:
         figures.save_spectrum(dataset, options.plot)
-    checks = compare(case, dataset, options.checks)
+    checks = output.compare(case, dataset, options.checks)
     if options.json:
-        print_json(_spectrum_object(dataset), checks)
+        output.print_json(_spectrum_object(dataset), checks)
     else:
         _print_spectrum(dataset, options)
-        print_checks(checks)
-    print_written(outputs, is_json=options.json)
-    return 0
+        output.print_checks(checks)
+    return outputs
 
 
 def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
@@ -116,7 +107,7 @@ def _print_ordinates(dataset: xr.Dataset) -> None:
             print(" ".join([f"{period:9.4f}", *(f"{value:20.9g}" for value in row)]))
 
 
-def run_sweep(options: argparse.Namespace) -> int:
+def run_sweep(options: argparse.Namespace) -> list[str] | None:
     """Run a sweep, or join its parts (``rwmf sweep``)."""
     if options.merge:
         return _merge(options)
@@ -128,7 +119,7 @@ def run_sweep(options: argparse.Namespace) -> int:
     part = _parse_part(options.part)
     files.check_outputs([path, *(options.checks or ())], [options.sweep, str(request.case)])
     case = case_of(request.case)
-    check_words(case, options.checks)
+    output.check_words(case, options.checks)
     started = time.perf_counter()
     try:
         with open_executor(options.engine, options.workers) as executor, progress() as report:
@@ -147,14 +138,14 @@ def run_sweep(options: argparse.Namespace) -> int:
     except InputError as error:
         raise InputError(f"{options.sweep}: {error}") from error
     seconds = time.perf_counter() - started
-    print_warnings(options.sweep, dataset.attrs["warnings"].splitlines())
+    output.print_warnings(options.sweep, dataset.attrs["warnings"].splitlines())
     if part[1] > 1:
         print(f"part {part[0]}/{part[1]} is done: {path_of_store(path, part)} ({seconds:.1f} s)")
     else:
         _print_counts(dataset, path, seconds)
-        print_checks(compare(case, dataset, options.checks))
-        print_written(options.checks or ())
-    return 0
+        output.print_checks(output.compare(case, dataset, options.checks))
+        return [*(options.checks or ())]
+    return None
 
 
 def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
@@ -167,7 +158,7 @@ def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
     print(f"written: {path}")
 
 
-def _merge(options: argparse.Namespace) -> int:
+def _merge(options: argparse.Namespace) -> list[str]:
     """Join parts into one file."""
     if options.out is None or options.sweep is not None:
         raise InputError("sweep: --merge needs --out FILE, and no SWEEP.nml")
@@ -175,8 +166,7 @@ def _merge(options: argparse.Namespace) -> int:
         merge_csv(options.merge, options.out)
     else:
         merge(_stores(options.merge), options.out).close()
-    print(f"written: {options.out}")
-    return 0
+    return [options.out]
 
 
 def _stores(parts: Sequence[str]) -> list[str]:
@@ -197,19 +187,19 @@ def _parse_part(word: str) -> tuple[int, int]:
 _PERIODS = "0.1:3:59"
 
 
-def run_overturning(options: argparse.Namespace) -> int:
+def run_overturning(options: argparse.Namespace) -> None:
     """Map the pulses that overturn a wall (``rwmf study overturning``)."""
     case = Case.from_namelist(options.case)
     _check(options, case.inputs)
     levels = (options.omega, options.amplitude, options.tolerance)
     found = overturning_map(case, *levels, options.threads, progress=True)
-    return _finish(options, found, plots.overturning_map)
+    _finish(options, found, plots.overturning_map)
 
 
-def run_wall(options: argparse.Namespace) -> int:
+def run_wall(options: argparse.Namespace) -> None:
     """Compare a frame with and without its wall (``rwmf study wall``)."""
     case = Case.from_namelist(options.case)
-    with printed_warnings(options.case):
+    with output.printed_warnings(options.case):
         records = (
             find_records(options.records, unit=options.unit, dt=options.dt)
             if options.records
@@ -230,17 +220,16 @@ def run_wall(options: argparse.Namespace) -> int:
             threads=options.threads,
             progress=report,
         )
-    status = _finish(options, found, plots.wall_effect)
+    _finish(options, found, plots.wall_effect)
     print("with the wall over without it:")
     for name in str(found.attrs["quantities"]).split():
         values = found[f"{name}_ratio"].values
         values = values[~np.isnan(values)]
         ends = f"{values.min():.3g} to {values.max():.3g}" if values.size else "no result"
         print(f"  {name}: {ends}, above 1 in {np.sum(values > 1)} of {values.size}")
-    return status
 
 
-def run_equal_response(options: argparse.Namespace) -> int:
+def run_equal_response(options: argparse.Namespace) -> None:
     """Find pulses with the same response (``rwmf study equal-response``)."""
     case = Case.from_namelist(options.case)
     _check(options, case.inputs)
@@ -252,7 +241,7 @@ def run_equal_response(options: argparse.Namespace) -> int:
         progress=True,
         quantities=options.quantities,
     )
-    return _finish(options, found, plots.equal_response)
+    _finish(options, found, plots.equal_response)
 
 
 def _check(options: argparse.Namespace, inputs: Any) -> None:  # noqa: ANN401 (several paths)
@@ -262,16 +251,13 @@ def _check(options: argparse.Namespace, inputs: Any) -> None:  # noqa: ANN401 (s
 
 def _finish(
     options: argparse.Namespace, found: xr.Dataset, draw: Callable[[xr.Dataset, Any], object]
-) -> int:
+) -> None:
     """Print warnings, write and draw the dataset; print it where there is no file."""
-    print_warnings(options.case, found.attrs["warnings"].splitlines())
+    output.print_warnings(options.case, found.attrs["warnings"].splitlines())
     if options.out:
         with new_file(Path(options.out)) as (file, _):
             found.dump_to_store(xr.backends.H5NetCDFStore(file))
-    if options.plot:
-        with figures.drawn(options.plot, 3.8) as figure:
-            draw(found, figure.subplots())
-    print_written([options.out, options.plot])
+    figures.draw_into(options.plot, 3.8, lambda figure: draw(found, figure.subplots()))
+    output.print_written([options.out, options.plot])
     if not options.out and not options.plot:
         print(found)
-    return 0

@@ -17,15 +17,7 @@ from rwmf.assess.cost import Cost, Row, cost
 from rwmf.assess.design import Design, design
 from rwmf.assess.gradient import gradient
 from rwmf.case import Case
-from rwmf.cli.output import (
-    check_words,
-    compare,
-    print_checks,
-    print_gradient,
-    print_json,
-    print_warnings,
-    print_written,
-)
+from rwmf.cli import output
 from rwmf.errors import InputError
 from rwmf.explorer.server import explore
 from rwmf.figures import design_page
@@ -46,7 +38,7 @@ if TYPE_CHECKING:
     from rwmf.run.checks import Checks
 
 
-def run_cost(options: argparse.Namespace) -> int:
+def run_cost(options: argparse.Namespace) -> list[str | None]:
     """Print the cost of accuracy."""
     case = Case.from_namelist(options.case)
     files.check_outputs([options.plot], case.inputs)
@@ -59,12 +51,11 @@ def run_cost(options: argparse.Namespace) -> int:
             plot_cost.work_precision(found, right, over="rhs_evaluations")
             right.label_outer()
     if options.json:
-        print_json(found.to_dict())
+        output.print_json(found.to_dict())
     else:
         _print_cost(found)
-    print_warnings(options.case, filter(None, [found.note]))
-    print_written([options.plot], is_json=options.json)
-    return 0
+    output.print_warnings(options.case, filter(None, [found.note]))
+    return [options.plot]
 
 
 def _print_cost(found: Cost) -> None:
@@ -123,7 +114,7 @@ def _recommendation(found: Cost) -> str:
 _T = TypeVar("_T")
 
 
-def run_design(options: argparse.Namespace) -> int:
+def run_design(options: argparse.Namespace) -> list[str]:
     """Find and print a design (``rwmf design``)."""
     case = Case.from_namelist(options.case)
     files.check_outputs(options.out, case.inputs)
@@ -154,13 +145,13 @@ def run_design(options: argparse.Namespace) -> int:
         found.case.to_namelist(path)
     for path in pages:
         design_page.write(found, path, _commands(options, namelists))
-    print_warnings(options.case, found.warnings)
+    output.print_warnings(options.case, found.warnings)
     if options.json:
-        print_json(found.to_dict())
+        output.print_json(found.to_dict())
     else:
         _print_design(found)
-    print_written(options.out, is_json=options.json)
-    return 0
+    written: list[str] = options.out
+    return written
 
 
 def _by_key(option: str, items: list[tuple[str, _T]] | None) -> dict[str, _T] | None:
@@ -214,7 +205,7 @@ def _commands(options: argparse.Namespace, namelists: list[str]) -> list[str]:
     return [shlex.join([*words, "--out", *(namelists or ["design.nml"])])]
 
 
-def run_gradient(options: argparse.Namespace) -> int:
+def run_gradient(options: argparse.Namespace) -> None:
     """Print derivatives (``rwmf gradient``)."""
     case = Case.from_namelist(options.case)
     found = gradient(
@@ -230,7 +221,7 @@ def run_gradient(options: argparse.Namespace) -> int:
     )
     if options.json:
         names = [*found.data_vars, "parameter_value", "parameter_scale"]
-        print_json(
+        output.print_json(
             {"quantity": found["quantity"].values.tolist()}
             | {"parameter": found["parameter"].values.tolist()}
             | {str(name): found[name].values for name in names}
@@ -238,8 +229,7 @@ def run_gradient(options: argparse.Namespace) -> int:
             | {"runs": int(found.attrs["runs"])}
         )
     else:
-        print_gradient(found)
-    return 0
+        output.print_gradient(found)
 
 
 def _words(items: list[str] | None) -> list[str]:
@@ -251,13 +241,13 @@ _POINTS = 8000
 _KILO = 1e-3
 
 
-def run_pushover(options: argparse.Namespace) -> int:
+def run_pushover(options: argparse.Namespace) -> list[str | None]:
     """Compute a static curve (``rwmf pushover``)."""
     case = Case.from_namelist(options.case)
     written = [options.out, options.plot, *(options.checks or ())]
     files.check_outputs(written, case.inputs)
     figures.check_formats(options.plot)
-    check_words(case, options.checks)
+    output.check_words(case, options.checks)
     if options.run_too and not options.plot:
         raise InputError("--run: needs a figure for the hysteresis, --out FILE.png")
     wanted = {} if options.drifts is None else {"drifts": options.drifts}
@@ -266,29 +256,28 @@ def run_pushover(options: argparse.Namespace) -> int:
     )
     if options.out:
         files.write_bytes(options.out, _table(curve).encode())
-    if options.plot:
-        history = _history(case) if options.run_too else None
-        with figures.drawn(options.plot, 3.8) as figure:
-            draw(curve, figure.subplots(), history=history)
-    print_warnings(options.case, curve.attrs["warnings"].splitlines())
+    history = _history(case) if options.run_too else None
+    figures.draw_into(
+        options.plot, 3.8, lambda figure: draw(curve, figure.subplots(), history=history)
+    )
+    output.print_warnings(options.case, curve.attrs["warnings"].splitlines())
     checks = _checks(case, curve, options)
     if options.json:
-        print_json(_plain(curve), checks)
+        output.print_json(_plain(curve), checks)
     else:
         print("\n".join(_lines(curve)))
-        print_checks(checks, is_all=options.all)
-    print_written(written, is_json=options.json)
-    return 0
+        output.print_checks(checks, is_all=options.all)
+    return written
 
 
 def _checks(case: Case, curve: xr.Dataset, options: argparse.Namespace) -> Checks | None:
     """Compare with the limits. Only ``--checks`` requires that the curve has one of the demands."""
     try:
-        return compare(case, curve, options.checks)
+        return output.compare(case, curve, options.checks)
     except InputError as error:
         if options.checks:
             raise
-        print_warnings(options.case, [str(error)])
+        output.print_warnings(options.case, [str(error)])
         return None
 
 
@@ -351,7 +340,7 @@ def _lines(curve: xr.Dataset) -> list[str]:
     return lines
 
 
-def run_animate(options: argparse.Namespace) -> int:
+def run_animate(options: argparse.Namespace) -> None:
     """Make the film."""
     case = Case.from_namelist(options.case)
     path = Path(options.out or f"{Path(options.case).stem}.gif")
@@ -371,46 +360,45 @@ def run_animate(options: argparse.Namespace) -> int:
     with progress("frame") as report:
         scale = animate(case, response, path, options.fps, report)
     print(f"written: {path}, {response.sizes['time']} frames, {in_words(case, scale)}")
-    return 0
 
 
-def run_export(options: argparse.Namespace) -> int:
+def run_export(options: argparse.Namespace) -> None:
     """Write a case for another program, by the suffix of the file (``rwmf export``)."""
     case = Case.from_namelist(options.case)
     path = Path(options.out)
     files.check_outputs([path], case.inputs)
     if path.suffix == ".fmu":
-        return _write_fmu(case, path, options)
-    if path.suffix == ".py":
-        return _write_opensees(case, path, options)
-    raise InputError(f"{path}: must end with .fmu (functional mock-up unit) or .py (OpenSeesPy)")
+        _write_fmu(case, path, options)
+    elif path.suffix == ".py":
+        _write_opensees(case, path, options)
+    else:
+        raise InputError(
+            f"{path}: must end with .fmu (functional mock-up unit) or .py (OpenSeesPy)"
+        )
 
 
-def _write_fmu(case: Case, path: Path, options: argparse.Namespace) -> int:
+def _write_fmu(case: Case, path: Path, options: argparse.Namespace) -> None:
     variables = export_fmu(case, path, link=options.input == "link")
     counts = [
         f"{sum(variable.kind in kinds for variable in variables)} {name}"
         for kinds, name in (("i", "inputs"), ("or", "outputs"), ("ps", "parameters"))
     ]
     print(f"written: {path}, FMI 3.0 co-simulation, {', '.join(counts)}")
-    return 0
 
 
-def _write_opensees(case: Case, path: Path, options: argparse.Namespace) -> int:
+def _write_opensees(case: Case, path: Path, options: argparse.Namespace) -> None:
     script = opensees_script(case)
     files.write_bytes(path, script.encode())
     print(f"written: {path}, {len(script.splitlines())} lines")
     if not options.run_it:
-        return 0
+        return
     print(f"{'demand':34s} {'rwmf':>12s} {'OpenSees':>12s}  difference")
     for demand in compare_with_opensees(case, run_opensees(path)):
         scale, unit = (1e3, "ms") if demand.name.startswith("impact") else (100, "%")
         difference = f"{scale * demand.difference:+8.3f} {unit}"
         print(f"{demand.name:34s} {demand.ours:12.6g} {demand.theirs:12.6g}  {difference}")
-    return 0
 
 
-def run_explore(options: argparse.Namespace) -> int:
+def run_explore(options: argparse.Namespace) -> None:
     """Show a case in the browser."""
     explore(options.case, options.port, not options.no_browser)
-    return 0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -37,6 +36,8 @@ class _Parser(argparse.ArgumentParser):
 
     def _hint(self, word: str) -> str:
         """Return the replacement of an old spelling, or the nearest word."""
+        import difflib
+
         word = word.split("=")[0]
         spelled = " ".join([*self.prog.split()[1:], word])
         if new := WORDS.get(word if word.startswith("-") else spelled):
@@ -53,8 +54,11 @@ class _Parser(argparse.ArgumentParser):
         super()._check_value(action, value)
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """Build the parser; its result has the attribute ``run``, module and function."""
+def make_parser(arguments: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """Build the parser; its result has the attribute ``run``, module and function.
+
+    For given arguments only the commands that they name have words, which saves half of the time.
+    """
     parser = _Parser(
         prog="rwmf",
         usage="rwmf [-h] [--version] [--completion SHELL] COMMAND ...",
@@ -97,7 +101,8 @@ def make_parser() -> argparse.ArgumentParser:
             epilog=f"example: rwmf {name} {command.example}",
         )
         added.set_defaults(run=command.run)
-        for word in command.words:
+        is_named = arguments is None or (second or first) in arguments
+        for word in command.words if is_named else ():
             action = added.add_argument(*word.names, **word.settings)
             added.set_defaults(**getattr(action, "further", {}))
     return parser

@@ -10,7 +10,7 @@ from typing import Any
 
 import rwmf
 from rwmf.case import Motion
-from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
+from rwmf.cli.output import print_json, print_warnings, printed_warnings
 from rwmf.errors import InputError, OutputError
 from rwmf.figures import image_files as figures
 from rwmf.figures.ground import draw_records, draw_selection
@@ -35,7 +35,7 @@ _COLUMNS = (
 )
 
 
-def export(options: argparse.Namespace) -> int:
+def export(options: argparse.Namespace) -> None:
     """Write a record into a file, or list the records (``rwmf records export``)."""
     if options.name is None:
         print("\n".join(records.list_records()))
@@ -43,27 +43,23 @@ def export(options: argparse.Namespace) -> int:
         raise InputError("records export: needs --out FILE")
     else:
         print(records.export(options.name, options.out, force=options.force))
-    return 0
 
 
-def info(options: argparse.Namespace) -> int:
+def info(options: argparse.Namespace) -> list[str | None]:
     """Describe records (``rwmf records info``)."""
     files.check_outputs([options.plot], options.files)
     figures.check_formats(options.plot)
     found = [
         item for file in options.files for item in describe(Path(file), options.unit, options.dt, G)
     ]
-    if options.plot:
-        with figures.drawn(options.plot, 4.6) as figure:
-            draw_records(figure, _named_curves(found))
+    figures.draw_into(options.plot, 4.6, lambda figure: draw_records(figure, _named_curves(found)))
     for facts, _ in found:
         print_warnings(f"{facts['file']}: {facts['name']}", facts["warnings"])
     if options.json:
         print_json({"records": [facts for facts, _ in found]})
     else:
         _print_facts([facts for facts, _ in found])
-    print_written([options.plot], is_json=options.json)
-    return 0
+    return [options.plot]
 
 
 def _named_curves(found: list[Described]) -> dict[str, Any]:
@@ -86,7 +82,7 @@ def _print_facts(found: list[dict[str, Any]]) -> None:
         print(f"{facts['name']:{width}s} {' '.join(cells)}  {origin}")
 
 
-def convert(options: argparse.Namespace) -> int:
+def convert(options: argparse.Namespace) -> list[str | None]:
     """Write a channel as columns, corrected by explicit steps (``rwmf records convert``)."""
     if options.out is None:
         raise InputError("records convert: needs --out FILE")
@@ -113,11 +109,9 @@ def convert(options: argparse.Namespace) -> int:
     else:
         waves = {"before": waveform_of(raw, G)}
         _write(raw, options, [])
-    if options.plot:
-        with figures.drawn(options.plot, 4.6) as figure:
-            draw_records(figure, {name: curves(wave, G) for name, wave in waves.items()})
-    print_written([options.plot])
-    return 0
+    drawn = {name: curves(wave, G) for name, wave in waves.items()} if options.plot else {}
+    figures.draw_into(options.plot, 4.6, lambda figure: draw_records(figure, drawn))
+    return [options.plot]
 
 
 def _write(motion: Motion, options: argparse.Namespace, header: Sequence[str]) -> None:
@@ -131,7 +125,7 @@ def _write(motion: Motion, options: argparse.Namespace, header: Sequence[str]) -
     print(f"&motion kind = 'record', file = '{target}', unit = '{motion.unit}'{step} /")
 
 
-def select(options: argparse.Namespace) -> int:
+def select(options: argparse.Namespace) -> list[str | None]:
     """Choose records and scale them to a target spectrum (``rwmf records select``)."""
     files.check_outputs([options.out, options.plot], [options.target])
     figures.check_formats(options.plot)
@@ -150,10 +144,9 @@ def select(options: argparse.Namespace) -> int:
         )
     if options.out:
         found.write(options.out)
-    if options.plot:
-        with figures.drawn(options.plot, 3.6) as figure:
-            label = f"$S_a$({100 * options.damping:g} %) (g)"
-            draw_selection(figure, found.periods, found.target, found.spectra, label)
+    label = f"$S_a$({100 * options.damping:g} %) (g)"
+    lines = (found.periods, found.target, found.spectra, label)
+    figures.draw_into(options.plot, 3.6, lambda figure: draw_selection(figure, *lines))
     rows = list(zip(found.names, found.records, strict=True))
     if options.json:
         print_json(
@@ -169,5 +162,4 @@ def select(options: argparse.Namespace) -> int:
         for name, item in rows:
             print(f"{item.scale:9.5f}  {item.name}" + ("" if name == item.name else f"  ({name})"))
         print(f"misfit of the geometric mean over the band: {found.misfit:.4g} in ln(Sa)")
-    print_written([options.out, options.plot], is_json=options.json)
-    return 0
+    return [options.out, options.plot]

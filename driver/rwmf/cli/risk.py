@@ -15,7 +15,7 @@ import rwmf
 from rwmf.assess.annual import hazard_of, unit_of
 from rwmf.assess.loss import loss_quantities, nrml_text, write_pelicun
 from rwmf.assess.table import quantities_of, write_dataset
-from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
+from rwmf.cli.output import print_json, print_warnings, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.figures import image_files as figures
@@ -28,6 +28,7 @@ from rwmf.sweeps.executors import open_executor
 from rwmf.sweeps.netcdf import check_package
 from rwmf.sweeps.points import is_netcdf, read_netcdf
 
+Written = list[str | Path | None]
 _SHARED = ("intensity", "period", "damping", "periods", "restart", "threads")
 _NOT_IN_MODEL = (
     "runs cannot show sliding, crushed toes, cracked or yielding walls, failed joints or "
@@ -35,7 +36,7 @@ _NOT_IN_MODEL = (
 )
 
 
-def ida(options: argparse.Namespace) -> int:
+def ida(options: argparse.Namespace) -> Written:
     """Run an incremental dynamic analysis (``rwmf ida``)."""
 
     def run(*args: Any, **further: Any) -> xr.Dataset:  # noqa: ANN401 (of the analysis)
@@ -46,17 +47,17 @@ def ida(options: argparse.Namespace) -> int:
     return _analyse("ida", options, run)
 
 
-def stripes(options: argparse.Namespace) -> int:
+def stripes(options: argparse.Namespace) -> Written:
     """Run records at levels of intensity (``rwmf stripes``)."""
     return _analyse("stripes", options, partial(rwmf.stripes, levels=options.levels))
 
 
-def cloud(options: argparse.Namespace) -> int:
+def cloud(options: argparse.Namespace) -> Written:
     """Run records with their intensities (``rwmf cloud``)."""
     return _analyse("cloud", options, partial(rwmf.cloud, factors=options.factors))
 
 
-def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.Dataset]) -> int:
+def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.Dataset]) -> Written:
     """Run an analysis of a suite."""
     cases = [rwmf.Case.from_namelist(path) for path in options.cases]
     with printed_warnings(analysis):
@@ -75,19 +76,15 @@ def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.D
         table = run(cases, records, quantities=names, **further)
     print_warnings(analysis, str(table.attrs["warnings"]).splitlines())
     _print_table(table)
-    written: list[str | Path | None] = [options.out]
+    written: Written = [options.out]
     if options.pelicun:
         written += [path for path, _ in write_pelicun(table, Path(options.pelicun))]
-    if options.plot:
-        with figures.drawn(options.plot, 3.8) as figure:
-            draw = plots.cloud if analysis == "cloud" else plots.ida
-            draw(table, figure.subplots())
-        written.append(options.plot)
-    print_written(written)
-    return 0
+    draw = plots.cloud if analysis == "cloud" else plots.ida
+    figures.draw_into(options.plot, 3.8, lambda figure: draw(table, figure.subplots()))
+    return [*written, options.plot]
 
 
-def fit(options: argparse.Namespace) -> int:
+def fit(options: argparse.Namespace) -> Written:
     """Fit fragility curves (``rwmf fragility``)."""
     _check_outputs(options, [*options.tables])
     factor = None if options.shape_factor is None else _shape_factor(options.shape_factor)
@@ -115,14 +112,11 @@ def fit(options: argparse.Namespace) -> int:
     _print_results(curves, names, options, datasets)
     for path in models:
         files.write_bytes(path, model.encode())
-    if options.plot:
-        with figures.drawn(options.plot, 3.8) as figure:
-            plots.fragility(curves, figure.subplots())
-    print_written([*options.out, options.plot], is_json=options.json)
-    return 0
+    figures.draw_into(options.plot, 3.8, lambda figure: plots.fragility(curves, figure.subplots()))
+    return [*options.out, options.plot]
 
 
-def integrate(options: argparse.Namespace) -> int:
+def integrate(options: argparse.Namespace) -> Written:
     """Compute annual frequencies (``rwmf risk``)."""
     inputs = [word for word in (options.fragility, options.hazard) if Path(word).is_file()]
     _check_outputs(options, inputs)
@@ -139,8 +133,7 @@ def integrate(options: argparse.Namespace) -> int:
             plots.hazard(hazard, left, edges)
             left.set_xlabel(plots.intensity_label(found.attrs))
             plots.deaggregation(found, right)
-    print_written([options.out, options.plot], is_json=options.json)
-    return 0
+    return [options.out, options.plot]
 
 
 def _check_outputs(options: argparse.Namespace, inputs: list[str]) -> None:

@@ -20,7 +20,6 @@ from rwmf.cli.output import (
     print_gradient,
     print_json,
     print_warnings,
-    print_written,
 )
 from rwmf.errors import InputError
 from rwmf.figures import image_files as figures
@@ -42,7 +41,7 @@ _PLOT_POINTS = 4000
 _LOOP_POINTS = 40000
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> int | list[str | Path | None]:
     """Simulate one case, or several into a table (``rwmf run``)."""
     if run_many.is_wanted(options):
         return run_many.run(options)
@@ -80,9 +79,7 @@ def run(options: argparse.Namespace) -> int:
             print_gradient(slopes)
     # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
-    written = [*new, options.plot, options.loops, *(options.checks or ())]
-    print_written(written, is_json=options.json)
-    return 0
+    return [*new, options.plot, options.loops, *(options.checks or ())]
 
 
 def _derivatives(case: Case, source: str) -> xr.Dataset | None:

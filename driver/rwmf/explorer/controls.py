@@ -7,151 +7,134 @@ frames, and the consequences of a choice. A key without an entry has a slider ov
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from rwmf.kernel import tables
 
 # groups whose springs may also be linear
 _SPRINGS = ("coupling", "restraint")
-# usual range of values: low, high, and True for a logarithmic slider
-_RANGES: dict[str, tuple[float, float, bool]] = {
-    "wall.h": (0.5, 10.0, False),
-    "wall.b": (0.1, 3.0, False),
-    "wall.m_w": (1e3, 1e6, True),
-    "frame.T_s": (0.05, 3.0, False),
-    "frame.gamma": (0.1, 2000.0, True),
-    "frame.xi_s": (0.0, 0.2, False),
+
+
+class Slider(NamedTuple):
+    """Usual range of a number.
+
+    Attributes
+    ----------
+    low, high : float
+        Ends.
+    is_log : bool
+        Whether equal distances on the slider are equal factors.
+    start : float or list of float, optional
+        Value of a key that is set on the page; otherwise its default, or the middle of the range.
+    """
+
+    low: float
+    high: float
+    is_log: bool = False
+    start: float | list[float] | None = None
+
+
+_SLIDERS: dict[str, Slider] = {
+    "wall.h": Slider(0.5, 10.0, start=2.0),
+    "wall.b": Slider(0.1, 3.0, start=0.5),
+    "wall.m_w": Slider(1e3, 1e6, is_log=True, start=20000.0),
+    "frame.T_s": Slider(0.05, 3.0, start=1.0),
+    "frame.gamma": Slider(0.1, 2000.0, is_log=True, start=5.0),
+    "frame.xi_s": Slider(0.0, 0.2, start=0.05),
     # of one storey; lists have a slider for each
-    "storeys.m_over_m_w": (0.1, 10.0, True),
-    "storeys.k_over_m_w": (10.0, 1e4, True),
-    "storeys.m": (1e3, 1e6, True),
-    "storeys.k": (1e6, 1e9, True),
-    "storeys.height": (2.0, 8.0, False),
-    "storeys.k_link_over_m_w": (1e2, 1e6, True),
-    "storeys.k_link": (1e6, 1e10, True),
-    "link.L": (1.0, 100.0, True),
-    "bending.EI_over_m_w": (1e3, 1e7, True),
-    "bending.EI": (1e7, 1e12, True),
-    "bending.E": (1e9, 1e11, True),
-    "bending.cracking": (0.1, 1.0, False),
+    "storeys.m_over_m_w": Slider(0.1, 10.0, is_log=True, start=[1.0, 1.0, 1.0]),
+    "storeys.k_over_m_w": Slider(10.0, 1e4, is_log=True, start=[200.0, 200.0, 200.0]),
+    "storeys.m": Slider(1e3, 1e6, is_log=True, start=[20000.0]),
+    "storeys.k": Slider(1e6, 1e9, is_log=True, start=[4e6]),
+    "storeys.height": Slider(2.0, 8.0, start=[3.0, 3.0, 3.0]),
+    "storeys.k_link_over_m_w": Slider(1e2, 1e6, is_log=True, start=[1e4]),
+    "storeys.k_link": Slider(1e6, 1e10, is_log=True, start=[2e8]),
+    "link.L": Slider(1.0, 100.0, is_log=True, start=8.0),
+    "bending.EI_over_m_w": Slider(1e3, 1e7, is_log=True),
+    "bending.EI": Slider(1e7, 1e12, is_log=True, start=2e9),
+    "bending.E": Slider(1e9, 1e11, is_log=True, start=3e10),
+    "bending.cracking": Slider(0.1, 1.0, start=0.5),
     # each mode takes its own steps; the field accepts all that the kernel does
-    "bending.modes": (1, 4, False),
-    "bending.xi": (0.0, 0.1, False),
-    "damper.c_over_m_w": (0.0, 20.0, False),
-    "inerter.inertance_over_m_w": (0.0, 5.0, False),
-    "fuse.eta_y": (0.05, 3.0, False),
-    "fuse.stroke_y": (1e-3, 0.1, True),
-    **{f"{name}.eta_y": (0.05, 3.0, False) for name in _SPRINGS},
-    **{f"{name}.stroke_y": (1e-3, 0.1, True) for name in _SPRINGS},
-    **{f"{name}.k_over_m_w": (0.1, 1e3, True) for name in _SPRINGS},
-    "yielding.u_y": (5e-3, 0.5, True),
-    "yielding.f_y_over_m_s_g": (0.02, 2.0, True),
-    "yielding.storey_u_y": (1e-3, 0.1, True),
-    "yielding.storey_F_y": (1e4, 1e7, True),
-    "yielding.ultimate": (1.5, 30.0, False),
-    "yielding.cap": (1.1, 10.0, False),
-    "yielding.post_cap": (0.5, 20.0, False),
-    "yielding.hardening": (-0.2, 0.5, False),
-    "yielding.exponent": (1.0, 20.0, False),
-    "p_delta.m_g_over_m_s": (0.0, 5.0, False),
-    "p_delta.drift_limit": (0.01, 0.3, False),
-    "cable.eta_0": (0.0, 5.0, False),
-    "cable.eta_alpha": (0.0, 20.0, False),
-    "cable.eta_y": (0.5, 10.0, False),
-    "cable.rupture_strain": (1e-3, 0.1, True),
-    "motion.a_max_g": (0.0, 2.0, False),
-    "motion.v_p": (0.0, 3.0, False),
-    "motion.omega_p": (1.0, 40.0, True),
-    "motion.T_p": (0.1, 6.0, False),
-    "motion.cycles": (0.5, 10.0, False),
-    "motion.n_pulses": (1, 10, False),
-    "motion.gamma_p": (1.05, 5.0, False),
-    "motion.nu": (-math.pi, math.pi, False),
-    "motion.t_0": (0.0, 5.0, False),
-    "motion.scale": (0.0, 4.0, False),
-    "vertical.ratio": (-1.0, 1.0, False),
-    "vertical.scale": (0.0, 4.0, False),
-    "initial.theta_over_alpha": (-1.5, 1.5, False),
-    "initial.theta_dot": (-2.0, 2.0, False),
-    "model.g": (1.0, 20.0, False),
-    "model.overturning_angle": (0.2, math.pi / 2, False),
-    "solver.t_end": (1.0, 60.0, False),
-    "solver.rtol": (1e-13, 1e-2, True),
-    "solver.accuracy": (1e-10, 1e-2, True),
-    "solver.atol": (1e-16, 1e-4, True),
-    "solver.max_steps": (1000, 50_000_000, True),
-    "output.dt": (1e-3, 0.1, True),
-    "output.friction_limit": (0.1, 1.5, False),
-    "spectrum.T_s_min": (0.02, 1.0, False),
-    "spectrum.T_s_max": (1.0, 10.0, False),
-    "spectrum.n": (10, 1000, True),
+    "bending.modes": Slider(1, 4, start=2),
+    "bending.xi": Slider(0.0, 0.1),
+    "damper.c_over_m_w": Slider(0.0, 20.0, start=2.0),
+    "inerter.inertance_over_m_w": Slider(0.0, 5.0, start=0.5),
+    "fuse.eta_y": Slider(0.05, 3.0, start=0.3),
+    "fuse.stroke_y": Slider(1e-3, 0.1, is_log=True, start=0.005),
+    **{f"{name}.eta_y": Slider(0.05, 3.0, start=0.2) for name in _SPRINGS},
+    **{f"{name}.stroke_y": Slider(1e-3, 0.1, is_log=True, start=0.005) for name in _SPRINGS},
+    **{f"{name}.k_over_m_w": Slider(0.1, 1e3, is_log=True) for name in _SPRINGS},
+    "yielding.u_y": Slider(5e-3, 0.5, is_log=True),
+    "yielding.f_y_over_m_s_g": Slider(0.02, 2.0, is_log=True),
+    "yielding.storey_u_y": Slider(1e-3, 0.1, is_log=True, start=[0.01]),
+    "yielding.storey_F_y": Slider(1e4, 1e7, is_log=True, start=[40000.0]),
+    "yielding.ultimate": Slider(1.5, 30.0, start=10.0),
+    "yielding.cap": Slider(1.1, 10.0, start=4.0),
+    "yielding.post_cap": Slider(0.5, 20.0, start=4.0),
+    "yielding.hardening": Slider(-0.2, 0.5),
+    "yielding.exponent": Slider(1.0, 20.0),
+    "p_delta.m_g_over_m_s": Slider(0.0, 5.0),
+    "p_delta.drift_limit": Slider(0.01, 0.3),
+    "cable.eta_0": Slider(0.0, 5.0, start=1.0),
+    "cable.eta_alpha": Slider(0.0, 20.0),
+    "cable.eta_y": Slider(0.5, 10.0, start=3.0),
+    "cable.rupture_strain": Slider(1e-3, 0.1, is_log=True, start=0.03),
+    "motion.a_max_g": Slider(0.0, 2.0, start=0.4),
+    "motion.v_p": Slider(0.0, 3.0, start=0.6),
+    "motion.omega_p": Slider(1.0, 40.0, is_log=True, start=6.283),
+    "motion.T_p": Slider(0.1, 6.0, start=1.0),
+    "motion.cycles": Slider(0.5, 10.0),
+    "motion.n_pulses": Slider(1, 10),
+    "motion.gamma_p": Slider(1.05, 5.0, start=2.0),
+    "motion.nu": Slider(-math.pi, math.pi),
+    "motion.t_0": Slider(0.0, 5.0),
+    "motion.scale": Slider(0.0, 4.0),
+    "vertical.ratio": Slider(-1.0, 1.0, start=0.5),
+    "vertical.scale": Slider(0.0, 4.0),
+    "initial.theta_over_alpha": Slider(-1.5, 1.5, start=0.5),
+    "initial.theta_dot": Slider(-2.0, 2.0),
+    "model.g": Slider(1.0, 20.0),
+    "model.overturning_angle": Slider(0.2, math.pi / 2),
+    "solver.t_end": Slider(1.0, 60.0, start=10.0),
+    "solver.rtol": Slider(1e-13, 1e-2, is_log=True),
+    "solver.accuracy": Slider(1e-10, 1e-2, is_log=True),
+    "solver.atol": Slider(1e-16, 1e-4, is_log=True),
+    "solver.max_steps": Slider(1000, 50_000_000, is_log=True),
+    "output.dt": Slider(1e-3, 0.1, is_log=True, start=0.01),
+    "output.friction_limit": Slider(0.1, 1.5, start=0.5),
+    "spectrum.T_s_min": Slider(0.02, 1.0, start=0.05),
+    "spectrum.T_s_max": Slider(1.0, 10.0, start=3.0),
+    "spectrum.n": Slider(10, 1000, is_log=True, start=200),
 }
-# initial value of a key set on the page; other keys start in the middle of their range
+# initial value of other keys
 _STARTS: dict[str, float | str | list[float] | list[str]] = {
-    "wall.h": 2.0,
-    "wall.b": 0.5,
-    "wall.m_w": 20000.0,
     "wall.density": 2500.0,
     "wall.thickness": 0.3,
-    "frame.T_s": 1.0,
-    "frame.gamma": 5.0,
-    "frame.xi_s": 0.05,
     "frame.m_s": 100000.0,
     "frame.k_s": 4e6,
-    "storeys.m_over_m_w": [1.0, 1.0, 1.0],
-    "storeys.k_over_m_w": [200.0, 200.0, 200.0],
-    "storeys.height": [3.0, 3.0, 3.0],
-    "storeys.m": [20000.0],
-    "storeys.k": [4e6],
-    "storeys.k_link_over_m_w": [1e4],
-    "storeys.k_link": [2e8],
     "storeys.n": 3,
-    "storeys.T_1": 1.0,
     "storeys.distribution": "linear",
-    "bending.EI_over_m_w": 1e5,
-    "bending.EI": 2e9,
-    "bending.E": 3e10,
-    "bending.cracking": 0.5,
-    "bending.modes": 2,
     "bending.nu": 0.2,
-    "link.L": 8.0,
-    "damper.c_over_m_w": 2.0,
     "damper.c": 40000.0,
-    "inerter.inertance_over_m_w": 0.5,
     "inerter.inertance": 10000.0,
-    "fuse.eta_y": 0.3,
-    "fuse.stroke_y": 0.005,
     "fuse.F_y": 60000.0,
     "fuse.k": 1.2e7,
     **{
         f"{name}.{key}": start
         for name in _SPRINGS
         for key, start in (
-            ("eta_y", 0.2),
-            ("stroke_y", 0.005),
             ("F_y", 1e4),
             ("k", 2e6),
-            ("k_over_m_w", 10.0),
             ("c_over_m_w", 0.2),
             ("c", 4e3),
         )
     },
     "restraint.height": 0.0,
-    "yielding.u_y": 0.05,
-    "yielding.f_y_over_m_s_g": 0.2,
     "yielding.F_y": 100000.0,
-    "yielding.storey_u_y": [0.01],
-    "yielding.storey_F_y": [40000.0],
-    "yielding.ultimate": 10.0,
-    "yielding.cap": 4.0,
-    "yielding.post_cap": 4.0,
     "yielding.lambda": [30.0],
     "p_delta.h_f": 4.0,
     "p_delta.m_g": 100000.0,
-    "cable.eta_0": 1.0,
     "cable.offset": [0.0],
-    "cable.eta_y": 3.0,
-    "cable.rupture_strain": 0.03,
     "cable.length": 6.0,
     "cable.strands": 4,
     "cable.strand_area": 1.4e-4,
@@ -163,21 +146,8 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "impact.table_theta_dot": [0.0, 1.0],
     "impact.table_e": [0.95, 0.8],
     "motion.kind": "one_sine",
-    "motion.a_max_g": 0.4,
-    "motion.v_p": 0.6,
-    "motion.T_p": 1.0,
-    "motion.omega_p": 6.283,
-    "motion.gamma_p": 2.0,
     "motion.unit": "g",
-    "vertical.ratio": 0.5,
-    "initial.theta_over_alpha": 0.5,
-    "solver.t_end": 10.0,
-    "output.dt": 0.01,
-    "output.friction_limit": 0.5,
     "spectrum.T_s": [0.5, 1.0, 2.0],
-    "spectrum.T_s_min": 0.05,
-    "spectrum.T_s_max": 3.0,
-    "spectrum.n": 200,
     "spectrum.gamma": [5.0],
     "spectrum.b": [0.5],
     "spectrum.quantities": ["u_s_max_m"],
@@ -475,10 +445,10 @@ def _describe_key(row: tables.KeyRow) -> dict[str, Any]:
         start: object = default if default in words else words[0]
         found |= {"words": words, "start": _STARTS.get(name, start)}
     elif kind in ("real", "integer"):
-        low, high, log = _RANGES.get(name) or _range(row)
+        low, high, log, first = _SLIDERS.get(name) or _range(row)
         middle = math.sqrt(low * high) if log else 0.5 * (low + high)
         own = tables.number_of(default)
-        start = _STARTS.get(name, middle if own is None else own)
+        start = _STARTS.get(name, middle if own is None else own) if first is None else first
         found |= {"low": low, "high": high, "log": log, "start": start}
         if kind == "integer":
             found["start"] = round(float(str(start)))
@@ -490,23 +460,24 @@ def _describe_key(row: tables.KeyRow) -> dict[str, Any]:
     else:
         # a list needs at least one number or word
         found["start"] = _STARTS.get(name, ["u_s_max_m"] if kind == "text list" else [1.0])
-        if name in _RANGES:
-            low, high, log = _RANGES[name]
-            found |= {"low": low, "high": high, "log": log}
+        if name in _SLIDERS:
+            low, high, log, first = _SLIDERS[name]
+            found |= {"low": low, "high": high, "log": log, "start": first}
     return found
 
 
-def _range(row: tables.KeyRow) -> tuple[float, float, bool]:
+def _range(row: tables.KeyRow) -> Slider:
     """Return the range of a slider from the bounds of its key."""
     own, (low, high, is_above, is_below) = tables.number_of(row.default), row.bounds
     if low is not None and high is not None:
         # the end of an open interval would be refused
         inset = 1e-3 * (high - low)
-        return low + inset * is_above, high - inset * is_below, low > 0 and high > 100 * low
+        is_log = low > 0 and high > 100 * low
+        return Slider(low + inset * is_above, high - inset * is_below, is_log)
     if low == 0.0 and is_above:
         middle = own or 1.0
-        return 0.01 * middle, 100.0 * middle, True
+        return Slider(0.01 * middle, 100.0 * middle, is_log=True)
     if low is not None:
-        return low + 0.01 * is_above, max(10.0 * abs(low), 4.0 * (own or 0.0), low + 10.0), False
+        return Slider(low + 0.01 * is_above, max(10.0 * abs(low), 4.0 * (own or 0.0), low + 10.0))
     reach = max(4.0 * abs(own or 0.0), 2.0)
-    return -reach, reach, False
+    return Slider(-reach, reach)

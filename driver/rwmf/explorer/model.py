@@ -33,18 +33,10 @@ from rwmf.explorer.questions import (
     case_of_preset,
     given,
 )
-from rwmf.figures import loops
+from rwmf.figures import levels, loops
 from rwmf.figures.film import ground_displacement
-from rwmf.figures.levels import (
-    COLOURS_OF,
-    axes_of,
-    levels_of_frame,
-    levels_of_storeys,
-    lines_of,
-    mode_shapes,
-    outermost,
-)
 from rwmf.kernel import results, tables
+from rwmf.kernel.numbers import Array
 from rwmf.motion.records import RECORDS
 from rwmf.run.headline import headline_rows, rows_by_title, tendon_yield_of
 from rwmf.run.quantities import ENDINGS, Quantity, find
@@ -199,7 +191,6 @@ def compare_with_frame(quantity: Quantity, value: float, alone: float | None) ->
 
 
 Poll = Callable[[int], None]
-Array = npt.NDArray[np.float64]
 
 # rows of a history: more than the columns of a screen, few enough to draw at once
 _ROWS = 1500
@@ -545,9 +536,9 @@ def _profile_of(case: Case, summary: dict[str, Any]) -> dict[str, list[float]]:
         drift = [float(summary[f"storey_{i + 1}_drift_max"]) for i in range(floors)]
     named: Any = {find(key).name or key: value for key, value in summary.items()}
     if case.storeys is None:
-        first = levels_of_frame(named, case).first_yield / heights[0]
+        first = levels.levels_of_frame(named, case).first_yield / heights[0]
     else:
-        first = levels_of_storeys(named, case, floors).first_yield
+        first = levels.levels_of_storeys(named, case, floors).first_yield
     return {
         "heights": heights,
         "drift": drift,
@@ -591,12 +582,13 @@ def _scene_of(case: Case) -> dict[str, Any]:
     if case.wall is not None:
         h, b = float(case.wall.h), float(case.wall.b)
         found |= {"h": h, "b": b, "pinned": case.wall.base == "pinned"}
-        found["shapes"] = mode_shapes(case, _SHARE).T.tolist()
-        found["axes"] = axes_of(case)
+        found["shapes"] = levels.mode_shapes(case, _SHARE).T.tolist()
+        found["axes"] = levels.axes_of(case)
         found["lines"] = [
-            [line.kind, COLOURS_OF.get(line.kind), line.ends] for line in lines_of(case)
+            [line.kind, levels.COLOURS_OF.get(line.kind), line.ends]
+            for line in levels.lines_of(case)
         ]
-        found["ends"] = outermost(case).tolist()
+        found["ends"] = levels.outermost(case).tolist()
     if case.storeys is not None:
         found["heights"] = list(case.storeys.height)
         found["coupling"] = case.storeys.coupling

@@ -69,9 +69,7 @@ def draw_checks(found: Design, ax: Axes) -> Axes:
     for place, check in zip(places, found.checks, strict=True):
         ax.text(0, float(place), f" {plain(check.target)}", va="bottom")
     ax.axvline(1.0, linewidth=1.0, color=INK)
-    ax.set_yticks([])
-    ax.set_ylim(0.4, n + 0.35)
-    ax.set_xlabel("value over limit")
+    ax.set(yticks=[], ylim=(0.4, n + 0.35), xlabel="value over limit")
     legend_above(ax, 2)
     return ax
 

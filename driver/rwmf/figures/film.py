@@ -10,7 +10,6 @@ from subprocess import PIPE, Popen
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Case
 from rwmf.case.elements import height_of_frame
@@ -28,6 +27,7 @@ from rwmf.figures.levels import (
 )
 from rwmf.figures.styles import COLOURS, GREY, INK, PALE, new_figure
 from rwmf.kernel import files
+from rwmf.kernel.numbers import Array, Truths
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from PIL.Image import Image
 
-Array = npt.NDArray[np.float64]
 
 # points along a column
 _COLUMN = np.linspace(0.0, 1.0, 12)
@@ -65,15 +64,14 @@ class Building:
 
     levels: Array
     sway: Array
-    has_yielded: npt.NDArray[np.bool_]
-    linked: npt.NDArray[np.bool_]
+    has_yielded: Truths
+    linked: Truths
 
     @property
     def angles(self) -> Array:
         """Storey drifts over storey heights, shape (n, times) [rad]."""
         heights = np.diff(self.levels, prepend=0.0)
-        drifts: Array = np.diff(self.sway, axis=0, prepend=0.0) / heights[:, np.newaxis]
-        return drifts
+        return np.diff(self.sway, axis=0, prepend=0.0) / heights[:, np.newaxis]
 
 
 def find_building(case: Case, dataset: xr.Dataset) -> Building | None:
@@ -351,8 +349,7 @@ def _drawn_sway(case: Case, dataset: xr.Dataset, building: Building, scale: Scal
     heights = building.levels[building.linked]
     bent = _deflections(case, dataset, heights / (2 * case.wall.h))
     added = [np.interp(building.levels, [0.0, *heights], [0.0, *column]) for column in bent.T]
-    shifted: Array = sway + (scale.deflection - scale.rotation) * np.array(added).T
-    return shifted
+    return sway + (scale.deflection - scale.rotation) * np.array(added).T
 
 
 def magnification(theta: Array) -> float:
@@ -484,8 +481,7 @@ def _frame_scene(ax: Axes, case: Case, building: Building | None, moves: Array) 
     # room for the texts above
     upward = max(1.33 * height, (right - left) * box.height / box.width)
     beside = 0.5 * (upward * box.width / box.height - (right - left))
-    ax.set_xlim(left - beside, right + beside)
-    ax.set_ylim(-0.08 * height, upward - 0.08 * height)
+    ax.set(xlim=(left - beside, right + beside), ylim=(-0.08 * height, upward - 0.08 * height))
     ax.set_aspect("equal")
     ax.set_axis_off()
 
@@ -522,8 +518,7 @@ def _wall(
         across = np.outer(bent[:, i], [np.cos(angle), -np.sin(angle)])
 
         def bend(foot: Array, top: Array) -> Array:
-            line: Array = foot + np.outer(share, top - foot) + across
-            return line
+            return foot + np.outer(share, top - foot) + across
 
         left, right = bend(box[0], box[3]), bend(box[1], box[2])
         outline = np.concatenate((right, left[::-1]))

@@ -6,22 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Motion
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
-from rwmf.figures.styles import (
-    ALONE,
-    COLOURS,
-    GREY,
-    Panels,
-    label_plainly,
-    legend_below,
-    make_panels,
-    plain,
-)
-from rwmf.kernel.numbers import to_array
+from rwmf.figures import styles
+from rwmf.kernel.numbers import Array, to_array
+from rwmf.motion.intensity import G
+from rwmf.motion.waveform import Waveform, pseudo_accelerations, waveform_of
 from rwmf.run.arguments import dataset_of
 
 if TYPE_CHECKING:
@@ -30,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _THIN = 1.0
-_Array = npt.NDArray[np.float64]
 _HISTORIES = {
     "a": r"$\ddot u_g$ (g)",
     "v": r"$\dot u_g$ (m/s)",
@@ -38,18 +29,18 @@ _HISTORIES = {
 }
 
 
-def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) -> None:
+def draw_records(figure: Figure, records: Mapping[str, Mapping[str, Array]]) -> None:
     """Draw acceleration, velocity, displacement, spectrum and build-up of energy."""
     parts: Any = figure.subfigures(1, 2, width_ratios=[1.5, 1.0])
     left, right = parts
     panels = dict(zip(_HISTORIES, left.subplots(3, 1, sharex=True), strict=True))
     spectrum, energy = right.subplots(2, 1, height_ratios=[1.8, 1.0])
     for i, (name, curves) in enumerate(records.items()):
-        look = {"color": COLOURS[i % len(COLOURS)], "lw": _THIN}
+        look = {"color": styles.COLOURS[i % len(styles.COLOURS)], "lw": _THIN}
         for key, ax in panels.items():
             ax.plot(curves["t"], curves[key], **look)
         energy.plot(curves["t"], curves["energy"], **look)
-        spectrum.loglog(curves["periods"], curves["Sa"], label=plain(name), **look)
+        spectrum.loglog(curves["periods"], curves["Sa"], label=styles.plain(name), **look)
     for key, label in _HISTORIES.items():
         panels[key].set_ylabel(label)
     panels["u"].set_xlabel("time $t$ (s)")
@@ -57,35 +48,30 @@ def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) ->
     spectrum.set(xlabel="period $T$ (s)", ylabel="$S_a$(5 %) (g)")
     for axis in (spectrum.xaxis, spectrum.yaxis):
         axis.set_major_formatter(lambda value, _: f"{value:g}")
-    legend_below(figure, spectrum)
+    styles.legend_below(figure, spectrum)
 
 
 def draw_selection(
-    figure: Figure, periods: _Array, target: _Array, spectra: _Array, label: str
+    figure: Figure, periods: Array, target: Array, spectra: Array, label: str
 ) -> None:
     """Draw the scaled spectra of a suite, their geometric mean and the target."""
     ax = figure.subplots()
     for i, spectrum in enumerate(spectra):
-        ax.loglog(periods, spectrum, color=GREY, lw=0.8, label="components" if i == 0 else None)
+        ax.loglog(
+            periods, spectrum, color=styles.GREY, lw=0.8, label="components" if i == 0 else None
+        )
     mean = np.exp(np.log(spectra).mean(axis=0))
-    ax.loglog(periods, mean, color=COLOURS[0], lw=2.0, label="geometric mean")
-    ax.loglog(periods, target, **ALONE, label="target")
+    ax.loglog(periods, mean, color=styles.COLOURS[0], lw=2.0, label="geometric mean")
+    ax.loglog(periods, target, **styles.ALONE, label="target")
     ax.set(xlabel="period $T$ (s)", ylabel=label)
-    label_plainly(ax.xaxis)
-    label_plainly(ax.yaxis)
+    styles.label_plainly(ax.xaxis)
+    styles.label_plainly(ax.yaxis)
     ax.legend()
 
 
-Array = npt.NDArray[np.float64]
-
-# default of `&model g` [m/s2]
-_G = 9.81
-# shortest period of a spectrum; the sampling follows it [s]
+# shortest period of a spectrum [s]
 _SHORTEST = 1e-3
-_UNITS = {"g": _G, "m/s2": 1.0, "cm/s2": 0.01}
 _PERIODS = np.geomspace(0.05, 4.0, 120)
-# steps of the recursion in the shortest period, for its peaks between samples
-_STEPS = 20
 
 
 @checked
@@ -96,10 +82,11 @@ def ground_motion(
     T_s: Sequence[float] | np.ndarray = _PERIODS,
     damping: float = 0.05,
     **line: Any,  # noqa: ANN401 (as matplotlib)
-) -> Panels:
+) -> styles.Panels:
     """Draw a ground acceleration over time, and the pseudo-acceleration of linear oscillators.
 
-    Source: N. C. Nigam and P. C. Jennings 1969, the exact recursion between samples.
+    The spectrum is exact for straight lines between the samples, and includes the free vibration
+    after them, as that of `rwmf records info`.
 
     Parameters
     ----------
@@ -124,18 +111,19 @@ def ground_motion(
     InputError
         When there is no ground motion, or when a period or the damping is not acceptable.
     """
-    t, a = _samples(dataset)
+    wave = _waveform_of(dataset)
+    t, a = wave.t, wave.a
     periods = to_array("T_s", T_s, above=_SHORTEST, least=1)
-    over_time, over_period = panels = make_panels(axes, 2, across=True)
-    look = {"color": COLOURS[0]} | line
+    over_time, over_period = panels = styles.make_panels(axes, 2, across=True)
+    look = {"color": styles.COLOURS[0]} | line
     i = int(np.argmax(np.abs(a)))
     over_time.plot(t, a, linewidth=0.8, **look)
     over_time.plot(t[i], a[i], "o", color=look["color"], markersize=4)
-    over_time.set_title(f"peak {abs(a[i]) / _G:.3g} g at {t[i]:.2f} s")
+    over_time.set_title(f"peak {abs(a[i]) / G:.3g} g at {t[i]:.2f} s")
     over_time.set_xlabel("time $t$ (s)")
     over_time.set_ylabel("ground acceleration (m/s²)")
     over_time.margins(x=0)
-    over_period.plot(periods, _pseudo_acceleration(t, a, periods, damping), **look)
+    over_period.plot(periods, pseudo_accelerations(wave, periods, damping), **look)
     over_period.set_title(f"linear oscillators, damping {100 * damping:g} %")
     over_period.set_xlabel("period (s)")
     over_period.set_ylabel("pseudo-acceleration (m/s²)")
@@ -146,41 +134,13 @@ def ground_motion(
     return panels
 
 
-def _samples(motion: xr.Dataset | Motion) -> tuple[Array, Array]:
-    """Return times [s] and accelerations [m/s2]."""
+def _waveform_of(motion: xr.Dataset | Motion) -> Waveform:
+    """Return the known part of a ground acceleration."""
     if isinstance(motion, Motion):
-        return motion.times, _UNITS[motion.unit] * motion.values
+        return waveform_of(motion, G)
     dataset = dataset_of(motion, "rwmf.simulate with an interval, or a Motion", "time", "u_g_ddot")
     a = np.asarray(dataset["u_g_ddot"].values, dtype=float)
     known = np.isfinite(a)
-    t: Array = np.asarray(dataset["time"].values, dtype=float)[known]
-    if t.size < 2:
+    if known.sum() < 2:
         raise InputError("dataset: has fewer than two rows with a ground acceleration")
-    return t, a[known]
-
-
-def _pseudo_acceleration(t: Array, a: Array, periods: Array, damping: float) -> Array:
-    """Return the largest pseudo-acceleration of each period, from rest [m/s2]."""
-    parts = max(1, int(np.ceil(np.diff(t).max() * _STEPS / periods.min())))
-    places = np.arange((t.size - 1) * parts + 1) / parts
-    a, t = np.interp(places, np.arange(t.size), a), np.interp(places, np.arange(t.size), t)
-    w = 2 * np.pi / periods
-    w_d = w * np.sqrt(1 - damping**2)
-    u, v, largest = (np.zeros(periods.size) for _ in range(3))
-    steps, before = np.diff(t), -1.0
-    for dt, first, last in zip(steps, a[:-1], a[1:], strict=True):
-        if abs(dt - before) > 1e-12:
-            sine = np.exp(-damping * w * dt) * np.sin(w_d * dt) / w_d
-            cosine = np.exp(-damping * w * dt) * np.cos(w_d * dt)
-            before = dt
-        # free vibration about the solution that is linear over the step
-        rate = -(last - first) / dt / w**2
-        shift = -2 * damping * rate / w
-        u, v = u + first / w**2 - shift, v - rate
-        u, v = (
-            (cosine + damping * w * sine) * u + sine * v - last / w**2 + shift,
-            -(w**2) * sine * u + (cosine - damping * w * sine) * v + rate,
-        )
-        largest = np.maximum(largest, np.abs(u))
-    found: Array = w**2 * largest
-    return found
+    return Waveform(np.asarray(dataset["time"].values, dtype=float)[known], a[known])

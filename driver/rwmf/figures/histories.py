@@ -13,21 +13,8 @@ import numpy as np
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError
+from rwmf.figures import styles
 from rwmf.figures.levels import draw_levels, levels_of_frame, levels_of_storeys
-from rwmf.figures.styles import (
-    ALONE,
-    COLOURS,
-    GREY,
-    LIMIT,
-    Panels,
-    label_in_large_units,
-    legend_beside,
-    make_panels,
-    period_label,
-    plain,
-    series,
-    storey,
-)
 from rwmf.run.arguments import dataset_of
 from rwmf.run.quantities import AXES, QUANTITIES
 
@@ -100,7 +87,7 @@ def history(
     *,
     case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
-) -> Panels:
+) -> styles.Panels:
     """Draw variables against time, one panel each; ticks at the bottom mark impacts.
 
     Parameters
@@ -139,7 +126,7 @@ def history(
             "simulate(case, dt=0.01)"
         )
     names = list(variables or panels_of(dataset))
-    panels = make_panels(axes, len(names))
+    panels = styles.make_panels(axes, len(names))
     for ax, name in zip(panels, names, strict=True):
         _draw_panel(ax, dataset, name, case, line)
     _mark_end(panels, dataset)
@@ -168,7 +155,7 @@ def _draw_panel(
     for i, member in enumerate(found):
         # from the ground upwards; a panel of one variable needs no label
         line_style = (
-            storey(i, len(found)) | {"label": str(i + 1) if len(found) > 1 else None} | line
+            styles.storey(i, len(found)) | {"label": str(i + 1) if len(found) > 1 else None} | line
         )
         ax.plot(dataset["time"], factor * dataset[member], **line_style)
     if case is not None and name == _DRIFTS:
@@ -177,8 +164,8 @@ def _draw_panel(
         draw_levels(ax, levels_of_frame(dataset, case), factor, "m")
     if len(found) > 1:
         title, columns = name.split("_")[0], -(-len(found) // _ROWS)
-        legend_beside(ax, title, columns, is_tight=True)
-    unit = label_in_large_units(ax.yaxis, dataset[found[0]].attrs.get("units", ""))
+        styles.legend_beside(ax, title, columns, is_tight=True)
+    unit = styles.label_in_large_units(ax.yaxis, dataset[found[0]].attrs.get("units", ""))
     ax.set_ylabel(_axis_label(dataset[found[0]].assign_attrs(units=unit), name))
     ax.margins(x=0)
     _mark_impacts(ax, dataset)
@@ -192,8 +179,10 @@ def _mark_end(panels: np.ndarray, dataset: xr.Dataset) -> None:
     for k in ends[-1:]:
         t, kind = float(dataset["event_time"][k]), str(dataset["event"].values[k])
         for ax in panels:
-            ax.axvline(t, **LIMIT)
-        panels[0].set_title(f"{plain(kind)} at {t:.2f} s", color=COLOURS[1], loc="left")
+            ax.axvline(t, **styles.LIMIT)
+        panels[0].set_title(
+            f"{styles.plain(kind)} at {t:.2f} s", color=styles.COLOURS[1], loc="left"
+        )
 
 
 def members(dataset: xr.Dataset, name: str) -> list[str]:
@@ -260,10 +249,10 @@ def spectrum(
         raise InputError(f"{quantity}: is not in the spectrum, which has {names}")
     if bare is not None and (quantity not in bare or bare[quantity].dims != ("T_s",)):
         raise InputError(f"bare: must be a spectrum of the frame alone, with {quantity} over T_s")
-    axes: Axes = make_panels(ax, 1)[0]
+    axes: Axes = styles.make_panels(ax, 1)[0]
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
-        line_style = {**series(i, len(curves)), "label": label or None} | line
+        line_style = {**styles.series(i, len(curves)), "label": label or None} | line
         status = _names_of_status(curve["status"])
         has_fallen = np.isin(status, _FALLEN)
         periods, values = curve["T_s"].values, curve[quantity].values
@@ -281,16 +270,16 @@ def spectrum(
             cross |= {"transform": axes.get_xaxis_transform(), "clip_on": False}
             axes.plot(periods[on_side], np.ones(on_side.sum()), **cross)
     if bare is not None:
-        axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
-    axes.set_xlabel(period_label(dataset["T_s"]))
+        axes.plot(bare["T_s"], bare[quantity], label="frame alone", **styles.ALONE)
+    axes.set_xlabel(styles.period_label(dataset["T_s"]))
     drawn_values = dataset[quantity]
-    unit = label_in_large_units(axes.yaxis, drawn_values.attrs.get("units", ""))
+    unit = styles.label_in_large_units(axes.yaxis, drawn_values.attrs.get("units", ""))
     axes.set_ylabel(_axis_label(drawn_values.assign_attrs(units=unit), quantity, _LETTERS_ALONE))
     if not (dataset[quantity] < 0).any():
         axes.set_ylim(bottom=0)
     axes.margins(x=0)
     if legend and (len(curves) > 1 or bare is not None):
-        legend_beside(axes, _legend_title(dataset))
+        styles.legend_beside(axes, _legend_title(dataset))
     return axes
 
 
@@ -342,7 +331,7 @@ def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
         times,
         np.zeros(len(times)),
         "|",
-        color=GREY,
+        color=styles.GREY,
         markersize=5,
         markeredgewidth=0.6,
         transform=ax.get_xaxis_transform(),
@@ -360,7 +349,7 @@ def _explain_impacts(ax: Axes, dataset: xr.Dataset) -> None:
     if not n:
         return
     label = "impact" if n == len(times) else f"one or more of {n} impacts"
-    tick = Line2D([], [], color=GREY, marker="|", linestyle="none", markersize=5)
+    tick = Line2D([], [], color=styles.GREY, marker="|", linestyle="none", markersize=5)
     legend = Legend(
         ax, [tick], [label], loc="upper right", bbox_to_anchor=(1.0, -0.2),
         borderpad=0.0, handletextpad=0.0, frameon=False,
@@ -371,8 +360,10 @@ def _explain_impacts(ax: Axes, dataset: xr.Dataset) -> None:
 def _axis_label(variable: xr.DataArray, name: str, letters: int = _LETTERS) -> str:
     """Return the words for a variable, with its unit, in short lines."""
     unit = variable.attrs.get("units", "")
-    unit = _UNITS.get(unit, plain(unit))
-    words = _WORDS.get(name) or plain(variable.attrs.get("long_name", name.replace("_", " ")))
+    unit = _UNITS.get(unit, styles.plain(unit))
+    words = _WORDS.get(name) or styles.plain(
+        variable.attrs.get("long_name", name.replace("_", " "))
+    )
     text = f"{words} ({unit})" if unit else str(words)
     # a formula has no space at which a line could end
     length = len(re.sub(r"[\\${}_]|dot|theta", "", text))

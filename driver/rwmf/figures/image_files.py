@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -63,6 +63,13 @@ def drawn(path: str | os.PathLike[str], height: float) -> Iterator[Figure]:
     with new_figure(height) as figure:
         yield figure
         save(figure, path)
+
+
+def draw_into(path: str | None, height: float, draw: Callable[[Figure], object]) -> None:
+    """Draw a figure of a given height [inch] into a file, unless there is none."""
+    if path is not None:
+        with drawn(path, height) as figure:
+            draw(figure)
 
 
 def _fix_layout(figure: Figure) -> None:

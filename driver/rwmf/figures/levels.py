@@ -12,12 +12,12 @@ import numpy.typing as npt
 from rwmf.case import Case
 from rwmf.case.elements import elements_of, height_of_frame
 from rwmf.figures.styles import LIMIT, YIELD
+from rwmf.kernel.numbers import Array
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-Array = npt.NDArray[np.float64]
 
 # kappa of a rectangular section [-]
 _SHEAR_FACTOR = 5 / 6
@@ -51,16 +51,14 @@ def _shape(number: int, epsilon: float, x: Array) -> Array:
 
     def deflection(at: npt.ArrayLike) -> Array:
         z = np.asarray(at, dtype=float)
-        found: Array = (
+        return (
             (sine_end - cosine_end - decay) * np.exp(a * (z - 1))
             + (1 + decay * (sine_end + cosine_end)) * np.exp(-a * z)
             - (1 - decay**2 + 2 * decay * sine_end) * np.cos(c * z)
             + (c / a) ** 3 * (1 + decay**2 + 2 * decay * cosine_end) * np.sin(c * z)
         )
-        return found
 
-    shape: Array = deflection(x) / deflection(1.0)
-    return shape
+    return deflection(x) / deflection(1.0)
 
 
 def _wave_number(number: int, epsilon: float) -> float:
@@ -233,7 +231,7 @@ def lines_of(case: Case) -> list[Line]:
     return found
 
 
-def outermost(case: Case) -> npt.NDArray[np.float64]:
+def outermost(case: Case) -> Array:
     """Return the ends of walls and columns to the left and to the right [m]."""
     axes, b = axes_of(case), case.wall.b
     at = [x for line in lines_of(case) for number, x, _ in line.ends if number < 0]

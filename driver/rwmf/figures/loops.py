@@ -9,14 +9,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.case.elements import heights_of_storeys
 from rwmf.errors import InputError
 from rwmf.figures.styles import LEVEL, Panels, make_panels, series, storey
-from rwmf.kernel.numbers import show, to_array, to_items
+from rwmf.kernel.numbers import Array, show, to_array, to_items
 from rwmf.run.arguments import dataset_of
 
 if TYPE_CHECKING:
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Loop", "draw", "find_loops"]
 
-Array = npt.NDArray[np.float64]
 
 # title of a panel and label of its displacement
 _PANELS = {
@@ -230,8 +228,7 @@ def _stroke(columns: _Columns, case: Case, group: str, i: int) -> Array:
     h, b = float(case.wall.h), float(case.wall.b)
     phi = np.abs(theta)
     if group == "coupling":
-        moved: Array = (2 * b + float(given.span)) * np.sin(theta)
-        return moved
+        return (2 * b + float(given.span)) * np.sin(theta)
     corners = (-b, b) if group == "fuse" else (0.0,)
     arm = b - np.where(theta < 0, -1.0, 1.0) * given.get("offset", corners)[i]
     half = np.sin(phi / 2)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
@@ -14,13 +13,13 @@ from rwmf.errors import InputError
 from rwmf.figures.histories import members
 from rwmf.figures.levels import levels_of_storeys
 from rwmf.figures.styles import COLOURS, LIMIT, MARKERS, YIELD, Panels, legend_above, make_panels
+from rwmf.kernel.numbers import Array
 from rwmf.run.arguments import dataset_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-Array = npt.NDArray[np.float64]
 
 _PERCENTILES = (16, 50, 84)
 _BAND = 0.25  # opacity

@@ -9,28 +9,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError
 from rwmf.figures import image_files as figures
-from rwmf.figures.styles import (
-    COLOURS,
-    FAINT,
-    GREY,
-    INK,
-    LEVEL,
-    LIMIT,
-    MARKERS,
-    PAPER,
-    Panels,
-    legend_beside,
-    make_panels,
-    new_figure,
-    plain,
-    series,
-)
-from rwmf.kernel.numbers import show
+from rwmf.figures import styles
+from rwmf.kernel.numbers import Array, show
 from rwmf.run.arguments import dataset_of
 from rwmf.run.checks import Checks, LimitCheck
 from rwmf.run.quantities import find_numbered
@@ -43,11 +27,11 @@ if TYPE_CHECKING:
 
 # longest drawn ratio; larger ones end at an arrow
 _LONGEST = 3.0
-_MET, _EXCEEDED = COLOURS[0], COLOURS[1]
+_MET, _EXCEEDED = styles.COLOURS[0], styles.COLOURS[1]
 
 
 @checked
-def checks(found: Checks, axes: Axes | Sequence[Axes] | np.ndarray | None = None) -> Panels:
+def checks(found: Checks, axes: Axes | Sequence[Axes] | np.ndarray | None = None) -> styles.Panels:
     """Draw ratios of demands over limits.
 
     Parameters
@@ -74,14 +58,13 @@ def checks(found: Checks, axes: Axes | Sequence[Axes] | np.ndarray | None = None
     if any(row.at != found.rows[0].at for row in found.rows):
         raise InputError("found: has several points of a grid: select one before rwmf.checks")
     groups = _over_height(found)
-    panels = make_panels(axes, 1 + bool(groups), across=True)
+    panels = styles.make_panels(axes, 1 + bool(groups), across=True)
     _draw_bars(panels[0], _bars(found, groups))
     if groups:
         _draw_heights(panels[1], groups)
     for ax in panels:
-        ax.axvline(1.0, **LIMIT | {"linewidth": 1.4})
-        ax.set_xlim(0, min(max(1.1, 1.05 * _reach(found)), _LONGEST))
-        ax.set_xlabel("demand over limit")
+        ax.axvline(1.0, **styles.LIMIT | {"linewidth": 1.4})
+        ax.set(xlim=(0, min(max(1.1, 1.05 * _reach(found)), _LONGEST)), xlabel="demand over limit")
     return panels
 
 
@@ -89,7 +72,7 @@ def save_checks(found: Checks, path: str | os.PathLike[str]) -> None:
     """Draw checks into a file."""
     groups = _over_height(found)
     n = len(_bars(found, groups))
-    with new_figure(max(0.9 + 0.26 * n, 3.0 if groups else 0.0)) as figure:
+    with styles.new_figure(max(0.9 + 0.26 * n, 3.0 if groups else 0.0)) as figure:
         axes = figure.subplots(
             1, 1 + bool(groups), squeeze=False, width_ratios=[1.2, 1.0][: 1 + bool(groups)]
         )
@@ -133,10 +116,10 @@ def _draw_bars(ax: Axes, bars: list[tuple[str, LimitCheck]]) -> None:
         ax.barh(i, min(ratio, _LONGEST), 0.62, color=_MET if ratio <= 1 else _EXCEEDED)
         if row.ratios:
             ends = [min(row.ratios[q], _LONGEST) for q in (16.0, 84.0)]
-            ax.plot(ends, [i, i], color=INK, linewidth=1.2)
+            ax.plot(ends, [i, i], color=styles.INK, linewidth=1.2)
             largest = row.ratios[100.0]
             ax.plot(
-                min(largest, _LONGEST), i, color=INK, clip_on=False, markersize=4,
+                min(largest, _LONGEST), i, color=styles.INK, clip_on=False, markersize=4,
                 marker="o" if largest <= _LONGEST else ">",
             )  # fmt: skip
     ax.set_yticks(range(len(bars)), [label for label, _ in bars])
@@ -152,13 +135,13 @@ def _draw_heights(ax: Axes, groups: dict[str, list[LimitCheck]]) -> None:
             # constant over the storey
             numbers = np.repeat([[n - 1, n] for n in numbers], 1, axis=0).ravel().tolist()
             sizes = np.repeat(sizes, 2).tolist()
-            ax.plot(sizes, numbers, label=key, **series(i, len(groups)))
+            ax.plot(sizes, numbers, label=key, **styles.series(i, len(groups)))
         else:
-            ax.plot(sizes, numbers, label=key, marker="o", markersize=3, **series(i, len(groups)))
+            ax.plot(
+                sizes, numbers, label=key, marker="o", markersize=3, **styles.series(i, len(groups))
+            )
     top = max(row.number for rows in groups.values() for row in rows)
-    ax.set_ylim(0, top + 0.1)
-    ax.set_yticks(range(0, top + 1, 1 + top // 8))
-    ax.set_ylabel("floor")
+    ax.set(ylim=(0, top + 0.1), yticks=range(0, top + 1, 1 + top // 8), ylabel="floor")
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=1, borderpad=0.2)
 
 
@@ -209,8 +192,8 @@ def work_precision(
         raise InputError(f"cost = {show(cost)}: must be the result of rwmf.cost, with rows")
     if over not in _WORK:
         raise InputError(f"over = {show(over)}: must be one of {', '.join(_WORK)}")
-    axes: Axes = make_panels(ax, 1)[0]
-    for method, colour, marker in zip(_METHODS, COLOURS, MARKERS, strict=False):
+    axes: Axes = styles.make_panels(ax, 1)[0]
+    for method, colour, marker in zip(_METHODS, styles.COLOURS, styles.MARKERS, strict=False):
         rows = [row for row in cost.rows if row.method == method and _is_drawn(row)]
         if not rows:
             continue
@@ -229,7 +212,7 @@ def work_precision(
         _mark_recommended(axes, cost.recommended, cost.target, over)
     _finish(axes, cost, over)
     if legend:
-        legend_beside(axes)
+        styles.legend_beside(axes)
     return axes
 
 
@@ -247,8 +230,8 @@ def _draw_practice(axes: Axes, row: Row, over: str) -> None:
         [getattr(row, over)],
         [_height(row)],
         marker,
-        color=GREY,
-        markerfacecolor=GREY if filled else PAPER,
+        color=styles.GREY,
+        markerfacecolor=styles.GREY if filled else styles.PAPER,
         markersize=6,
         label=row.method,
     )
@@ -261,11 +244,11 @@ def _mark_recommended(axes: Axes, row: Row, target: float, over: str) -> None:
         "o",
         markersize=10,
         markerfacecolor="none",
-        markeredgecolor=INK,
+        markeredgecolor=styles.INK,
         linestyle="none",
         label=f"cheapest for {_power(target)}",
     )
-    axes.axhline(target, **LEVEL)
+    axes.axhline(target, **styles.LEVEL)
 
 
 def _power(value: float) -> str:
@@ -345,39 +328,39 @@ def pushover(
         When the history has no base shear or no drift.
     """
     curve = dataset_of(curve, "rwmf.pushover", "roof_drift", "base_shear_over_weight", "mark_step")
-    (ax,) = make_panels(ax, 1)
+    (ax,) = styles.make_panels(ax, 1)
     scale = _KILO * float(curve.attrs.get("weight_N", 0.0))
     unit = scale or 1.0
     drift = 100 * curve["roof_drift"].values
     shear = unit * curve["base_shear_over_weight"].values
     if history is not None:
         moved, force = _hysteresis(history, curve)
-        ax.plot(100 * moved, unit * force, color=FAINT, lw=0.7, label="dynamic run", zorder=2)
-    ax.axhline(0.0, **LEVEL)
-    ax.plot(drift, shear, color=INK, lw=1.6, label="static curve", zorder=3)
+        ax.plot(
+            100 * moved, unit * force, color=styles.FAINT, lw=0.7, label="dynamic run", zorder=2
+        )
+    ax.axhline(0.0, **styles.LEVEL)
+    ax.plot(drift, shear, color=styles.INK, lw=1.6, label="static curve", zorder=3)
     for i, (words, step, at) in enumerate(_first_marks(curve)):
         ax.plot(
             100 * at,
             np.interp(at, *_segment(curve, step)) * unit,
             linestyle="none",
-            marker=MARKERS[i % len(MARKERS)],
-            color=COLOURS[i % len(COLOURS)],
-            markeredgecolor=PAPER,
+            marker=styles.MARKERS[i % len(styles.MARKERS)],
+            color=styles.COLOURS[i % len(styles.COLOURS)],
+            markeredgecolor=styles.PAPER,
             markeredgewidth=0.5,
             markersize=7,
-            label=f"{plain(words)}, {100 * at:.3g} %",
+            label=f"{styles.plain(words)}, {100 * at:.3g} %",
             zorder=5,
         )
     ax.set_xlabel("roof drift (%)")
-    weight = plain(curve.attrs["weight"])
+    weight = styles.plain(curve.attrs["weight"])
     ax.set_ylabel("base shear (kN)" if scale else f"base shear over {weight}")
-    legend_beside(ax)
+    styles.legend_beside(ax)
     return ax
 
 
-def _segment(
-    curve: xr.Dataset, step: int
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _segment(curve: xr.Dataset, step: int) -> tuple[Array, Array]:
     """Return drifts, ascending, and shears of the step and the one before it."""
     rows = [max(step - 1, 0), step]
     drift, shear = (curve[name].values[rows] for name in ("roof_drift", "base_shear_over_weight"))
@@ -407,9 +390,7 @@ def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
     return list(found.values())
 
 
-def _hysteresis(
-    history: xr.Dataset, curve: xr.Dataset
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _hysteresis(history: xr.Dataset, curve: xr.Dataset) -> tuple[Array, Array]:
     """Return drift of the roof and resisting base shear of a run."""
     history = dataset_of(history, "rwmf.simulate")
     if "time" not in history.dims or "base_shear_over_weight" not in history:

@@ -74,8 +74,7 @@ def ida(dataset: xr.Dataset, ax: Axes | None = None, quantity: str | None = None
             label = "last level before collapse" if len(designs) == 1 else None
             ax.plot(*np.transpose(ends), "x", color=line["color"], markersize=4, label=label)
         _draw_percentiles(ax, found.isel(design=i), name, edge, line, design * (len(designs) > 1))
-    ax.set_xlim(0, edge)
-    ax.set_ylim(bottom=0)
+    ax.set(xlim=(0, edge), ylim=(0, None))
     _label_demand(ax, rows, name)
     legend_above(ax, columns=len(designs) if len(designs) > 1 else 3)
     return ax
@@ -259,9 +258,7 @@ def hazard(curve: Any, ax: Axes | None = None, levels: Any = None) -> Axes:  # n
         low, high = 0.01, 10.0
     x = np.geomspace(low, high, 200)
     ax.loglog(x, found.frequency(x), **series(0, 1))
-    ax.set_xlabel("intensity")
-    ax.set_ylabel("annual frequency of exceedance (1/year)")
-    ax.set_xlim(low, high)
+    ax.set(xlabel="intensity", ylabel="annual frequency of exceedance (1/year)", xlim=(low, high))
     return ax
 
 
@@ -297,8 +294,7 @@ def deaggregation(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         )
     edges = found["intensity_low"].values[1:]
     ax.set_xticks(np.arange(bins - 1) + 0.5, [f"{edge:g}" for edge in edges], rotation=45)
-    ax.set_xlabel(intensity_label(dataset.attrs))
-    ax.set_ylabel("share of the annual frequency (%)")
+    ax.set(xlabel=intensity_label(dataset.attrs), ylabel="share of the annual frequency (%)")
     legend_above(ax, columns=1 if n > 1 else 2)
     return ax
 

@@ -14,22 +14,7 @@ import numpy as np
 
 from rwmf.assess.pulses import SURVIVES
 from rwmf.case.arguments import checked
-from rwmf.figures.styles import (
-    COLOURS,
-    DOTS,
-    GREY,
-    INK,
-    LEVEL,
-    PAPER,
-    label_in_large_units,
-    label_plainly,
-    legend_above,
-    legend_beside,
-    period_label,
-    plain,
-    series,
-    tint,
-)
+from rwmf.figures import styles
 from rwmf.run.arguments import dataset_of
 
 if TYPE_CHECKING:
@@ -64,18 +49,18 @@ def overturning_map(dataset: xr.Dataset, ax: Axes) -> Axes:
     for i in range(omegas.size - 1):
         _draw_between(ax, omegas[i : i + 2], columns[i], columns[i + 1])
     for outcome in sorted({region[0] for column in columns for region in column}):
-        edge = {"edgecolor": GREY, "linewidth": 0.6}
+        edge = {"edgecolor": styles.GREY, "linewidth": 0.6}
         ax.fill_between(
             [], [], [], label=_outcome_in_words(outcome), **(_region_style(outcome) | edge)
         )
     at = dataset["boundary_omega_over_p"], dataset["boundary_amplitude"]
-    ax.plot(*at, **(DOTS | {"markersize": 1.5}), label="bisected boundary")
+    ax.plot(*at, **(styles.DOTS | {"markersize": 1.5}), label="bisected boundary")
     ax.set_xlim(omegas[0], omegas[-1])
     ax.set_ylim(columns[0][0][1], columns[0][-1][2])
     ax.set_xlabel(r"pulse frequency $\omega_p/p$")
     ax.set_ylabel(r"pulse amplitude $a_p/(\alpha g)$")
     ax.set_title(_scene_in_words(dataset))
-    legend_beside(ax)
+    styles.legend_beside(ax)
     return ax
 
 
@@ -102,7 +87,7 @@ def _draw_between(
     if leaving <= 1 and all(first[0] == second[0] for first, second in pairs):
         top = left[-1][2]
         for (_, y_left, _), (_, y_right, _) in pairs[1:]:
-            ax.plot(omegas, [y_left, y_right], color=INK, linewidth=0.9)
+            ax.plot(omegas, [y_left, y_right], color=styles.INK, linewidth=0.9)
         for region, other in zip_longest(left, right):
             outcome = (region or other)[0]
             low, high = zip(*((x or (outcome, top, top))[1:] for x in (region, other)), strict=True)
@@ -116,9 +101,9 @@ def _draw_between(
 
 def _region_style(outcome: int) -> dict[str, Any]:
     if outcome == SURVIVES:
-        return {"facecolor": PAPER, "linewidth": 0}
+        return {"facecolor": styles.PAPER, "linewidth": 0}
     # anti-aliased edges would show between the columns of one region
-    colour = tint(COLOURS[outcome % len(COLOURS)], _REGION)
+    colour = styles.tint(styles.COLOURS[outcome % len(styles.COLOURS)], _REGION)
     return {"facecolor": colour, "linewidth": 0, "antialiased": False}
 
 
@@ -133,7 +118,7 @@ def _scene_in_words(dataset: xr.Dataset) -> str:
     """Describe wall, velocity factor and pulse of a map."""
     units = {"alpha": r"$\alpha$ = {:.4g} rad", "p": "$p$ = {:.4g} rad/s", "e": "$e$ = {:.4g}"}
     parts = [form.format(float(dataset[name])) for name, form in units.items() if name in dataset]
-    return ", ".join([*parts, plain(dataset.attrs["pulse"]).replace("_", "-")])
+    return ", ".join([*parts, styles.plain(dataset.attrs["pulse"]).replace("_", "-")])
 
 
 _LINES = ("-", "--", ":", "-.")
@@ -175,18 +160,20 @@ def wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     curves = [_curves(ratio, ("T_s",)) for ratio in values]
     n = len(curves[0])
     for k, (name, found) in enumerate(zip(names, curves, strict=True)):
-        symbol = _SYMBOLS.get(name, plain(name.replace("_", " "))) if len(names) > 1 else ""
+        symbol = _SYMBOLS.get(name, styles.plain(name.replace("_", " "))) if len(names) > 1 else ""
         for i, (label, curve) in enumerate(found):
             # one colour per response, one line style per frame
-            line_style = series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
+            line_style = styles.series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
             if len(names) == 1:
-                line_style = series(i, n)
+                line_style = styles.series(i, n)
             parts = [part for part in (symbol, label) if part]
             ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **line_style)
-    ax.axhline(1.0, **LEVEL)
+    ax.axhline(1.0, **styles.LEVEL)
     _finish(ax, dataset["ratio"])
     only = (
-        _SYMBOLS.get(names[0], plain(names[0].replace("_", " "))) + " " if len(names) == 1 else ""
+        _SYMBOLS.get(names[0], styles.plain(names[0].replace("_", " "))) + " "
+        if len(names) == 1
+        else ""
     )
     ax.set_ylabel(f"{only}with / without wall")
     return ax
@@ -209,17 +196,17 @@ def equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
         The axes.
     """
     dataset_of(dataset, "rwmf.studies.equal_response", "T_p", "a_max_g", "target")
-    ax.plot(dataset["T_p"], dataset["a_max_g"], **series(0, 1))
+    ax.plot(dataset["T_p"], dataset["a_max_g"], **styles.series(0, 1))
     ax.set_yscale("log")
-    label_plainly(ax.yaxis)
+    styles.label_plainly(ax.yaxis)
     ax.margins(x=0)
     ax.set_xlabel("pulse period $T_p$ (s)")
     quantity = str(dataset.attrs["quantity"])
-    unit = plain(dataset["target"].attrs.get("units", "1"))
+    unit = styles.plain(dataset["target"].attrs.get("units", "1"))
     # the key of an acceleration over g ends with its unit
     if unit == "1":
         unit = "g" if quantity.endswith("acceleration_max_g") else ""
-    symbol = _SYMBOLS.get(quantity, plain(quantity.replace("_", " ")))
+    symbol = _SYMBOLS.get(quantity, styles.plain(quantity.replace("_", " ")))
     ax.set_ylabel(r"$a_{\max}/g$ for " + f"{symbol} = {float(dataset['target']):g} {unit}".rstrip())
     return ax
 
@@ -234,7 +221,7 @@ def _split(values: xr.DataArray, kept: tuple[str, ...]) -> Iterator[tuple[str, x
     for place in product(*(range(values.sizes[name]) for name in others)):
         at = dict(zip(others, place, strict=True))
         parts = [
-            f"{_SYMBOLS.get(name, plain(name))} = {_text(values[name].values[i])}"
+            f"{_SYMBOLS.get(name, styles.plain(name))} = {_text(values[name].values[i])}"
             for name, i in at.items()
             if values.sizes[name] > 1
         ]
@@ -242,15 +229,14 @@ def _split(values: xr.DataArray, kept: tuple[str, ...]) -> Iterator[tuple[str, x
 
 
 def _text(value: object) -> str:
-    return plain(value) if isinstance(value, str) else f"{value:g}"
+    return styles.plain(value) if isinstance(value, str) else f"{value:g}"
 
 
 def _finish(ax: Axes, values: xr.DataArray) -> None:
-    ax.set_xlabel(period_label(values["T_s"]))
-    unit = label_in_large_units(ax.yaxis, values.attrs.get("units", "1"))
+    ax.set_xlabel(styles.period_label(values["T_s"]))
+    unit = styles.label_in_large_units(ax.yaxis, values.attrs.get("units", "1"))
     text = values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})")
-    ax.set_ylabel(plain(text))
-    ax.set_ylim(bottom=0)
+    ax.set(ylabel=styles.plain(text), ylim=(0, None))
     ax.margins(x=0)
     if ax.get_legend_handles_labels()[1]:
-        legend_above(ax, columns=2)
+        styles.legend_above(ax, columns=2)

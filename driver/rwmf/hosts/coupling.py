@@ -17,12 +17,10 @@ from rwmf.hosts.partner import (
     CouplingEnergy,
     Host,
     LinkedFrame,
-    Reals,
-    Wholes,
     end_rates,
 )
 from rwmf.hosts.wall import WallEvent
-from rwmf.kernel.numbers import show, to_array, to_items, to_number
+from rwmf.kernel.numbers import Array, Wholes, show, to_array, to_items, to_number
 
 # groups of the frame, which the host owns
 _FRAME = ("frame", "storeys", "yielding", "p_delta")
@@ -41,10 +39,10 @@ class WallResponse(NamedTuple):
         Rotation [rad] and its rate [rad/s].
     """
 
-    force: Reals
-    stiffness: Reals
-    damping: Reals
-    mass: Reals
+    force: Array
+    stiffness: Array
+    damping: Array
+    mass: Array
     theta: float
     theta_dot: float
 
@@ -67,8 +65,8 @@ class Split(NamedTuple):
     """
 
     integrated: Wholes
-    own: Reals
-    follow: Reals
+    own: Array
+    follow: Array
     tied: Wholes
     balanced: Wholes
 
@@ -109,8 +107,8 @@ class CoupledWall:
         by_u = self.element.motion_of_links(still, still, still)[3:].T
         if is_on_springs:
             _compare(case, given, links, by_u[:, 0])
-            self.shares: Reals = by_u[:, 0]
-            self.links: Reals = np.eye(self.n)[1 + self.modes :]
+            self.shares: Array = by_u[:, 0]
+            self.links: Array = np.eye(self.n)[1 + self.modes :]
         elif self.n == 1:
             self.shares = given / given[-1]
             self.links = self.shares[:, np.newaxis]
@@ -141,7 +139,7 @@ class CoupledWall:
                 follow[0, -1] = 1.0
         return Split(index, own, follow, tied, np.arange(first, n))
 
-    def element_motion(self, y: Reals) -> tuple[Reals, Reals]:
+    def element_motion(self, y: Array) -> tuple[Array, Array]:
         """Return the motion in the coordinates of the element."""
         by_y = np.eye(self.n)
         if not self.modes or self._is_on_springs or not self.element.side:
@@ -161,7 +159,7 @@ class CoupledWall:
         by_y[1:, 0] = -q * by_u / c
         return x, by_y
 
-    def respond(self, y: Reals, ground: float) -> WallResponse:
+    def respond(self, y: Array, ground: float) -> WallResponse:
         """Compute a trial response.
 
         The derivatives leave out the change of the coordinates' own derivatives, which vanishes
@@ -188,8 +186,8 @@ class CoupledWall:
     def next_event(
         self,
         h: float,
-        begin: Reals,
-        end: Reals,
+        begin: Array,
+        end: Array,
         grounds: tuple[float, float],
         push: tuple[float, float],
     ) -> ElementEvent | None:
@@ -197,17 +195,17 @@ class CoupledWall:
         x_0, x = self.element_motion(begin)[0], self.element_motion(end)[0]
         return self.element.next_event(h, x_0, x, grounds, push=push, has_branches=True)
 
-    def deflection(self, y: Reals) -> float:
+    def deflection(self, y: Array) -> float:
         """Return the deflection of the top."""
         # the deflections of the modes are 1 at the top
         return float(self.element_motion(y)[0][0, 1 : 1 + self.modes].sum())
 
-    def push(self, forces: Reals) -> float:
+    def push(self, forces: Array) -> float:
         """Return the force on u of forces at the links."""
         return float(self.links[:, 0] @ forces)
 
 
-def _heights(case: Case, heights: object, links: int) -> Reals:
+def _heights(case: Case, heights: object, links: int) -> Array:
     """Return the heights of the links, by default those of the case; 1 for a single link."""
     if heights is None and links == 1:
         return np.ones(1)
@@ -222,7 +220,7 @@ def _heights(case: Case, heights: object, links: int) -> Reals:
     return values
 
 
-def _at_heights(case: Case, heights: Reals) -> Case:
+def _at_heights(case: Case, heights: Array) -> Case:
     """Return a case whose element has its links at heights [m]."""
     storeys = {"n": len(heights), "m": 1.0, "k": 1.0, "coupling": "every_floor"}
     alone = case.without(*(name for name in _FRAME if getattr(case, name) is not None))
@@ -234,7 +232,7 @@ def _at_heights(case: Case, heights: Reals) -> Case:
         raise InputError(f"heights = {show(heights.tolist())}: {error}") from None
 
 
-def _compare(case: Case, heights: Reals, links: int, shares: Reals) -> None:
+def _compare(case: Case, heights: Array, links: int, shares: Array) -> None:
     """Check the heights of link springs against those of the case."""
     if len(shares) != links:
         raise InputError(
@@ -266,9 +264,9 @@ class _Step(NamedTuple):
     their rates.
     """
 
-    forces: Reals
-    u: Reals
-    y: Reals
+    forces: Array
+    u: Array
+    y: Array
     theta: float
     theta_dot: float
     residual: float
@@ -296,14 +294,14 @@ class Pair:
         self._weight, self._tolerance = weight, tolerance * weight
         self._frame = LinkedFrame(host, dt, weight)
         mass = wall.links.T @ self._frame.mass @ wall.links
-        self._mass: Reals = (mass + mass.T) / 2
+        self._mass: Array = (mass + mass.T) / 2
         self.run = CoupledRun(float(self._mass[0, 0]))
         self._theta = 0.0
         # time of a lift-off after which the wall did not move away
         self._returned_at = -math.inf
-        self._y: Reals = np.zeros((3, wall.n))
-        self._forces: Reals = np.zeros(len(host.links))
-        self._rates: Reals = np.zeros(len(host.links))
+        self._y: Array = np.zeros((3, wall.n))
+        self._forces: Array = np.zeros(len(host.links))
+        self._rates: Array = np.zeros(len(host.links))
         self._losses = [0.0, 0.0, 0.0]
         self._enter(wall.element.side, np.zeros(wall.n))
         self._note()
@@ -341,13 +339,13 @@ class Pair:
     def _split(self) -> Split:
         return self._wall.split(is_held=not self._wall.element.side)
 
-    def _coordinates(self, split: Split) -> Reals:
+    def _coordinates(self, split: Split) -> Array:
         """Return the committed coordinates of the wall with their rates."""
         return np.asarray(
             self._y[:, split.integrated] @ split.own.T + self._frame.motion() @ split.follow.T
         )
 
-    def _system(self, split: Split, flexibility: Reals, tangent: Reals) -> Reals:
+    def _system(self, split: Split, flexibility: Array, tangent: Array) -> Array:
         """Derive `_residuals` by the forces of the links and the wall's own coordinates."""
         links = self._wall.links
         by_forces = split.follow @ flexibility
@@ -358,14 +356,14 @@ class Pair:
         return np.block([tied, balanced])
 
     def _residuals(
-        self, split: Split, at_links: Reals, y: Reals, forces: Reals, resisting: Reals
-    ) -> Reals:
+        self, split: Split, at_links: Array, y: Array, forces: Array, resisting: Array
+    ) -> Array:
         """Conditions that a step meets: tied links, then the balance of the wall's coordinates."""
         links = self._wall.links
         tied = at_links[split.tied] - links[split.tied] @ y
         return np.append(tied, (forces @ links - resisting)[split.balanced])
 
-    def _respond(self, split: Split, y: Reals, ground: float) -> WallResponse:
+    def _respond(self, split: Split, y: Array, ground: float) -> WallResponse:
         """Response of the wall; at rest without own coordinates it has none."""
         return self._wall.respond(y, ground) if split.balanced.size else self._wall.none
 
@@ -401,12 +399,12 @@ class Pair:
             f"{_MOST_ITERATIONS} iterations: shorten dt"
         )
 
-    def _inertia_rounding(self, velocities: Reals, h: float) -> float:
+    def _inertia_rounding(self, velocities: Array, h: float) -> float:
         """Round-off of inertia forces [N]: accelerations are differences over the step."""
         speed = float(np.abs(velocities).max())
         return _DIGITS * float(np.abs(self._frame.mass).max()) * speed / h
 
-    def _error(self, split: Split, flexibility: Reals, residuals: Reals) -> float:
+    def _error(self, split: Split, flexibility: Array, residuals: Array) -> float:
         """Largest residual as a force [N]."""
         tied = split.tied.size
         error = float(np.abs(residuals[tied:]).max(initial=0.0))
@@ -469,7 +467,7 @@ class Pair:
         if event.kind == "impact" and step.y[1, 0] * side < 0:
             self._land(step)
 
-    def _kinetic(self, velocities: Reals) -> float:
+    def _kinetic(self, velocities: Array) -> float:
         """Kinetic energy of the wall on its base and of the frame at the links [J]."""
         y = np.array([self._y[0], velocities, np.zeros(self._wall.n)])
         y[0, 0] = 0.0
@@ -494,7 +492,7 @@ class Pair:
             self._enter(element.side, after)
         self._losses[1] -= self._kinetic(self._y[1])
 
-    def _settles(self, displacements: Reals, velocities: Reals) -> bool:
+    def _settles(self, displacements: Array, velocities: Array) -> bool:
         """Tell whether the flights after an impact are shorter than a step."""
         element, t = self._wall.element, self._host.time()
         landed = element.save()
@@ -510,13 +508,13 @@ class Pair:
         push = self._wall.push(forces)
         return element.settles(self._dt, motion, self._ground(t), push, self._mass)
 
-    def _stop_on_base(self, velocities: Reals) -> None:
+    def _stop_on_base(self, velocities: Array) -> None:
         """Begin to rest: the straight wall stops, its modes and floors on springs go on."""
         still = velocities.copy()
         still[0] = 0.0
         self._enter(0, still)
 
-    def _equilibrium(self, velocities: Reals, free: Reals) -> tuple[Reals, Reals]:
+    def _equilibrium(self, velocities: Array, free: Array) -> tuple[Array, Array]:
         """Find forces of the links and accelerations of the wall, on its present side.
 
         `free` are the accelerations of the links without forces.
@@ -530,7 +528,7 @@ class Pair:
         forces, own = np.split(solution, [len(free)])
         return forces, split.own @ own + split.follow @ (free - by_force @ forces)
 
-    def _enter(self, side: int, velocities: Reals) -> None:
+    def _enter(self, side: int, velocities: Array) -> None:
         """Begin to rock on a side, or to rest, with accelerations in equilibrium."""
         if side != self._wall.element.side:
             self._wall.element.place(side)

@@ -10,11 +10,11 @@ import numpy as np
 from rwmf.case.arguments import checked
 from rwmf.case.case import CaseLike, kernel_for_host
 from rwmf.errors import InputError, warn
-from rwmf.hosts.wall import Closable, Guard, NotPickled, Reals
-from rwmf.kernel.numbers import is_whole, show, to_number, to_shaped
+from rwmf.hosts.wall import Closable, Guard, NotPickled
+from rwmf.kernel.numbers import Array, is_whole, show, to_number, to_shaped
 from rwmf.kernel.stepping import KernelMember, Saved, event_names
 
-_Real = TypeVar("_Real", float, Reals)
+_Real = TypeVar("_Real", float, Array)
 _NO_MASS = np.empty((0, 0), order="F")
 
 
@@ -82,8 +82,8 @@ class ElementResponse(NamedTuple, Generic[_Real]):
     theta_dot: _Real
     theta_ddot: _Real
     cable: _Real
-    hold: Reals
-    fuses: Reals
+    hold: Array
+    fuses: Array
 
 
 class Element(Closable[KernelMember]):
@@ -152,13 +152,13 @@ class Element(Closable[KernelMember]):
     @overload
     def respond(
         self,
-        u: Reals | Sequence[object],
+        u: Array | Sequence[object],
         u_dot: object,
         u_ddot: object,
         u_g_ddot: object,
         side: object = None,
         v_g_ddot: object = 0.0,
-    ) -> ElementResponse[Reals]: ...
+    ) -> ElementResponse[Array]: ...
 
     def respond(
         self,
@@ -168,7 +168,7 @@ class Element(Closable[KernelMember]):
         u_g_ddot: object,
         side: object = None,
         v_g_ddot: object = 0.0,
-    ) -> ElementResponse[float] | ElementResponse[Reals]:
+    ) -> ElementResponse[float] | ElementResponse[Array]:
         """Compute forces and tangents at a trial motion, or at each of many.
 
         At rest u counts as 0, and its force and tangents are 0. With many motions each is a trial
@@ -295,7 +295,7 @@ class Element(Closable[KernelMember]):
         with self._guard as kernel:
             kernel.place(int(side))
 
-    def motion_of_links(self, u: object, u_dot: object, u_ddot: object) -> Reals:
+    def motion_of_links(self, u: object, u_dot: object, u_ddot: object) -> Array:
         """Return the motion of the wall at its links.
 
         Parameters
@@ -370,7 +370,7 @@ class Element(Closable[KernelMember]):
             kind, tau, side = kernel.next_event(numbers, has_branches)
         return ElementEvent(event_names()[kind - 1], tau, side) if kind else None
 
-    def land(self, u: object, u_dot: object, host_mass: object = None) -> Reals:
+    def land(self, u: object, u_dot: object, host_mass: object = None) -> Array:
         """Apply the impact of a wall that is committed at u = 0, and change its side.
 
         Parameters
@@ -437,16 +437,16 @@ class Element(Closable[KernelMember]):
         with self._guard as kernel:
             return kernel.settles(numbers, mass)
 
-    def _vector(self, name: str, value: object) -> Reals:
+    def _vector(self, name: str, value: object) -> Array:
         n = self.dofs
         return to_shaped(name, value, *([(), (1,)] if n == 1 else [(n,)])).reshape(n)
 
-    def _motion(self, name: str, value: object) -> Reals:
+    def _motion(self, name: str, value: object) -> Array:
         """Return displacements, velocities and accelerations, one after the other."""
         n = self.dofs
         return to_shaped(name, value, (3, n), *([(3,)] if n == 1 else [])).ravel()
 
-    def _mass(self, value: object) -> Reals:
+    def _mass(self, value: object) -> Array:
         """Return masses of the host as a matrix; empty for those of the case."""
         if value is None:
             return _NO_MASS
@@ -455,7 +455,7 @@ class Element(Closable[KernelMember]):
         return np.asfortranarray(array.reshape(n, n))
 
 
-def _response(found: Reals, n: int) -> ElementResponse[float] | ElementResponse[Reals]:
+def _response(found: Array, n: int) -> ElementResponse[float] | ElementResponse[Array]:
     """Split the values of responses."""
     shape = found.shape[:-1]
     forces, tangents, rest = np.split(found, [n, n + 3 * n * n], axis=-1)
@@ -470,7 +470,7 @@ def _response(found: Reals, n: int) -> ElementResponse[float] | ElementResponse[
     return ElementResponse(*[*values, hold, fuses])
 
 
-def _side(value: object) -> Reals:
+def _side(value: object) -> Array:
     """Return sides."""
     sides = to_shaped("side", value)
     if not np.all(np.abs(sides) == 1):

@@ -16,16 +16,20 @@ from types import ModuleType
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case.arguments import function_of
 from rwmf.errors import InputError, NumericalError
 from rwmf.hosts.wall import WallEvent
-from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_shaped, to_whole
-
-Reals = npt.NDArray[np.float64]
-Wholes = npt.NDArray[np.int64]
-
+from rwmf.kernel.numbers import (
+    Array,
+    Wholes,
+    show,
+    to_array,
+    to_items,
+    to_number,
+    to_shaped,
+    to_whole,
+)
 
 # step whose square is far above the smallest number [s]
 _SHORTEST = 1e-100
@@ -44,7 +48,7 @@ class Host(Protocol):
 
     links: Wholes
 
-    def motion(self) -> tuple[Reals, Reals, Reals]:
+    def motion(self) -> tuple[Array, Array, Array]:
         """Return the committed motion of all degrees of freedom.
 
         Returns
@@ -64,7 +68,7 @@ class Host(Protocol):
         """
         ...
 
-    def attempt(self, forces: Reals, h: float) -> Reals:
+    def attempt(self, forces: Array, h: float) -> Array:
         """Compute a step without committing it.
 
         Parameters
@@ -86,7 +90,7 @@ class Host(Protocol):
         """
         ...
 
-    def commit(self, forces: Reals, h: float) -> None:
+    def commit(self, forces: Array, h: float) -> None:
         """Make a step.
 
         Parameters
@@ -103,7 +107,7 @@ class Host(Protocol):
         """
         ...
 
-    def set_rates(self, velocities: Reals, accelerations: Reals) -> None:
+    def set_rates(self, velocities: Array, accelerations: Array) -> None:
         """Replace the committed rates, after an impact, a lift-off or rest.
 
         Parameters
@@ -121,7 +125,7 @@ class IteratedHost(Host):
 
     _most_iterations: int
 
-    def attempt(self, forces: Reals, h: float) -> Reals:
+    def attempt(self, forces: Array, h: float) -> Array:
         """Compute a step without committing it."""
         forces, h = self._checked(forces, h)
         increment = self._guess(h)
@@ -132,32 +136,32 @@ class IteratedHost(Host):
                 return increment
         raise NumericalError(f"t = {self.time():g} s: the host finds no equilibrium")
 
-    def commit(self, forces: Reals, h: float) -> None:
+    def commit(self, forces: Array, h: float) -> None:
         """Make a step."""
         self._make_step(*self._checked(forces, h))
 
-    def _checked(self, forces: Reals, h: float) -> tuple[Reals, float]:
+    def _checked(self, forces: Array, h: float) -> tuple[Array, float]:
         links = (len(self.links),)
         return to_shaped("forces", forces, links), to_number(
             "h", h, above=_SHORTEST, below=1 / _SHORTEST
         )
 
     @abstractmethod
-    def _guess(self, h: float) -> Reals:
+    def _guess(self, h: float) -> Array:
         """Return the increments before the first correction."""
 
     @abstractmethod
     def _correct(
-        self, increment: Reals, forces: Reals, h: float, iteration: int
-    ) -> tuple[Reals, bool]:
+        self, increment: Array, forces: Array, h: float, iteration: int
+    ) -> tuple[Array, bool]:
         """Return a correction of increments, and whether it is the last one."""
 
     @abstractmethod
-    def _make_step(self, forces: Reals, h: float) -> None:
+    def _make_step(self, forces: Array, h: float) -> None:
         """Make a step, as `commit`."""
 
 
-def end_rates(increment: Reals, h: float, v: Reals, a: Reals) -> tuple[Reals, Reals]:
+def end_rates(increment: Array, h: float, v: Array, a: Array) -> tuple[Array, Array]:
     """Return the rates at the end of a step of average acceleration."""
     mean = increment / h
     return 2 * mean - v, 4 * (mean - v) / h - a
@@ -218,7 +222,7 @@ class CoupledRun:
     u: list[float] = field(default_factory=list)
     theta: list[float] = field(default_factory=list)
     force: list[float] = field(default_factory=list)
-    link_forces: list[Reals] = field(default_factory=list)
+    link_forces: list[Array] = field(default_factory=list)
     deflection: list[float] = field(default_factory=list)
     events: list[WallEvent] = field(default_factory=list)
     u_s_max: float = 0.0
@@ -250,17 +254,17 @@ class LinkedFrame:
     def __init__(self, host: Host, dt: float, force: float) -> None:
         self._host, self._dt, self._force = host, dt, force
         self._instant = _INSTANT * dt
-        self._flexibilities: dict[float, Reals] = {}
-        self.by_force: Reals = self._increments(self._instant) * 4 / self._instant**2
+        self._flexibilities: dict[float, Array] = {}
+        self.by_force: Array = self._increments(self._instant) * 4 / self._instant**2
         at_links = self.by_force[host.links]
         # without a mass the acceleration would grow as the step shrinks
         longer = 10 * self._instant
         again = self._increments(longer)[host.links] * 4 / longer**2
         if not np.allclose(at_links, again, rtol=_SAME_MASS) or not np.all(np.diag(again) > 0):
             raise InputError("host: a link has no mass")
-        self.mass: Reals = np.asarray(np.linalg.inv(at_links), dtype=np.float64)
+        self.mass: Array = np.asarray(np.linalg.inv(at_links), dtype=np.float64)
 
-    def _increments(self, h: float) -> Reals:
+    def _increments(self, h: float) -> Array:
         """Increments of the frame in a step by unit forces on the frame at the links [m/N]."""
         links = len(self._host.links)
         base = self._host.attempt(np.zeros(links), h)
@@ -270,11 +274,11 @@ class LinkedFrame:
         ]
         return np.array(columns).T
 
-    def motion(self) -> Reals:
+    def motion(self) -> Array:
         """Return the committed motion of the links."""
         return np.array([values[self._host.links] for values in self._host.motion()])
 
-    def flexibility(self, h: float, is_new: bool) -> Reals:
+    def flexibility(self, h: float, is_new: bool) -> Array:
         """Return the displacements of the links by unit forces at the end of a step."""
         # whole steps differ by the rounding of the times
         part = round(h / self._dt, _DIGITS)
@@ -284,7 +288,7 @@ class LinkedFrame:
             self._flexibilities[part] = self._increments(h)[self._host.links]
         return self._flexibilities[part]
 
-    def with_link_velocities(self, at_links: Reals) -> Reals:
+    def with_link_velocities(self, at_links: Array) -> Array:
         """Return the velocities of the frame after impulses at the links."""
         links = self._host.links
         _, velocities, _ = self._host.motion()
@@ -293,7 +297,7 @@ class LinkedFrame:
             velocities + self.by_force @ np.linalg.solve(self.by_force[links], change)
         )
 
-    def free_accelerations(self, velocities: Reals) -> Reals:
+    def free_accelerations(self, velocities: Array) -> Array:
         """Return the accelerations without forces at the links, and set the velocities."""
         host, h = self._host, self._instant
         _, _, accelerations = host.motion()
@@ -345,7 +349,7 @@ class FunctionHost(IteratedHost):
         restoring: object,
         ground: Callable[[float], float],
         links: object,
-        on_commit: Callable[[Reals], None] | None = None,
+        on_commit: Callable[[Array], None] | None = None,
     ) -> None:
         self._mass = _matrix("mass", mass)
         n = len(self._mass)
@@ -360,7 +364,7 @@ class FunctionHost(IteratedHost):
         self._t = 0.0
         self._u, self._v, self._a = np.zeros((3, n))
 
-    def motion(self) -> tuple[Reals, Reals, Reals]:
+    def motion(self) -> tuple[Array, Array, Array]:
         """Return the committed displacements, velocities and accelerations [m, s].
 
         Returns
@@ -380,12 +384,12 @@ class FunctionHost(IteratedHost):
         """
         return self._t
 
-    def _guess(self, h: float) -> Reals:
+    def _guess(self, h: float) -> Array:
         return h * self._v
 
     def _correct(
-        self, increment: Reals, forces: Reals, h: float, iteration: int
-    ) -> tuple[Reals, bool]:
+        self, increment: Array, forces: Array, h: float, iteration: int
+    ) -> tuple[Array, bool]:
         """Take a step of Newton's method."""
         load = -self._mass.sum(axis=1) * self._ground(self._t + h)
         np.add.at(load, self.links, forces)
@@ -402,7 +406,7 @@ class FunctionHost(IteratedHost):
         correction = np.linalg.solve(matrix, residual)
         return correction, bool(np.abs(correction).max() <= _CONVERGED * size)
 
-    def _make_step(self, forces: Reals, h: float) -> None:
+    def _make_step(self, forces: Array, h: float) -> None:
         increment = self.attempt(forces, h)
         v, a = end_rates(increment, h, self._v, self._a)
         self._u, self._v, self._a = self._u + increment, v, a
@@ -410,7 +414,7 @@ class FunctionHost(IteratedHost):
         if self._on_commit is not None:
             self._on_commit(self._u.copy())
 
-    def set_rates(self, velocities: Reals, accelerations: Reals) -> None:
+    def set_rates(self, velocities: Array, accelerations: Array) -> None:
         """Replace the committed rates.
 
         Parameters
@@ -425,7 +429,7 @@ class FunctionHost(IteratedHost):
         self._a = to_shaped("accelerations", accelerations, shape)
 
 
-def _matrix(name: str, value: object, n: int | None = None) -> Reals:
+def _matrix(name: str, value: object, n: int | None = None) -> Array:
     """Return a square matrix; a vector is its diagonal."""
     array = to_shaped(name, value)
     square = np.diag(array) if array.ndim == 1 else array
@@ -435,12 +439,12 @@ def _matrix(name: str, value: object, n: int | None = None) -> Reals:
     return square
 
 
-def _forces(name: str, value: object, n: int) -> Callable[[Reals], Reals]:
+def _forces(name: str, value: object, n: int) -> Callable[[Array], Array]:
     """Return a function for forces."""
     if not callable(value):
         return _Linear(_matrix(name, value, n))
 
-    def compute(at: Reals) -> Reals:
+    def compute(at: Array) -> Array:
         return to_array(name, value(at.copy()), least=n)
 
     return compute
@@ -449,14 +453,14 @@ def _forces(name: str, value: object, n: int) -> Callable[[Reals], Reals]:
 class _Linear:
     """Forces by a matrix."""
 
-    def __init__(self, matrix: Reals) -> None:
+    def __init__(self, matrix: Array) -> None:
         self.matrix = matrix
 
-    def __call__(self, at: Reals) -> Reals:
+    def __call__(self, at: Array) -> Array:
         return np.asarray(self.matrix @ at)
 
 
-def _tangent(forces: Callable[[Reals], Reals], at: Reals, size: float) -> Reals:
+def _tangent(forces: Callable[[Array], Array], at: Array, size: float) -> Array:
     """Return the derivative of forces: of a function by differences."""
     if isinstance(forces, _Linear):
         return forces.matrix
@@ -545,7 +549,7 @@ class OpenSeesHost(IteratedHost):
                 raise InputError(f"nodes = {node}: degree of freedom {self._dof} is not free")
         self.links: Wholes = np.array([found[node, self._dof] for node in self._nodes])
 
-    def _load(self, forces: Reals) -> None:
+    def _load(self, forces: Array) -> None:
         """Put forces on the linked nodes."""
         ops, tag = self._ops, self._tag
         if tag in ops.getPatterns():
@@ -560,7 +564,7 @@ class OpenSeesHost(IteratedHost):
         """Let every step fail after a number of iterations."""
         self._ops.test("NormUnbalance", _NEVER, iterations)
 
-    def motion(self) -> tuple[Reals, Reals, Reals]:
+    def motion(self) -> tuple[Array, Array, Array]:
         """Return the committed displacements, velocities and accelerations.
 
         Returns
@@ -587,12 +591,12 @@ class OpenSeesHost(IteratedHost):
         """
         return float(self._ops.getTime())
 
-    def _guess(self, h: float) -> Reals:
+    def _guess(self, h: float) -> Array:
         return np.zeros(self._n)
 
     def _correct(
-        self, increment: Reals, forces: Reals, h: float, iteration: int
-    ) -> tuple[Reals, bool]:
+        self, increment: Array, forces: Array, h: float, iteration: int
+    ) -> tuple[Array, bool]:
         """Repeat the step with one iteration more, and take the last increment from the solver."""
         ops = self._ops
         if iteration == 1:
@@ -608,11 +612,11 @@ class OpenSeesHost(IteratedHost):
         rounding = _ROUNDING * self._size(increment + correction, h)
         return correction, is_close or (is_stuck and residual <= rounding)
 
-    def _size(self, increment: Reals, h: float) -> float:
+    def _size(self, increment: Array, h: float) -> float:
         """Force that rounding is relative to [N]: 4 m u / h2 with a mass of 1 t at least."""
         return 1e3 + 4e3 * float(np.abs(increment).max()) / h**2
 
-    def _make_step(self, forces: Reals, h: float) -> None:
+    def _make_step(self, forces: Array, h: float) -> None:
         self._load(forces)
         # short steps end at the rounding of their inertia forces
         for tolerance in (self._tolerance, 1e3 * self._tolerance, 1e6 * self._tolerance):
@@ -621,7 +625,7 @@ class OpenSeesHost(IteratedHost):
                 return
         raise NumericalError(f"t = {self.time():g} s: OpenSees does not converge")
 
-    def set_rates(self, velocities: Reals, accelerations: Reals) -> None:
+    def set_rates(self, velocities: Array, accelerations: Array) -> None:
         """Replace the committed rates of all nodes.
 
         Parameters

@@ -7,14 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Case
 from rwmf.case.elements import elements_of
 from rwmf.errors import InputError
+from rwmf.kernel.numbers import Array
 from rwmf.run.simulation import simulate
-
-Array = npt.NDArray[np.float64]
 
 # interval at which a record is read, before samples on straight lines are left out [s]
 _STEP = 1e-3

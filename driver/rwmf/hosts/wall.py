@@ -13,7 +13,7 @@ import numpy.typing as npt
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked, texts_of
 from rwmf.errors import InputError, warn
-from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_shaped, to_whole
+from rwmf.kernel import numbers
 from rwmf.kernel.results import check_threads
 from rwmf.kernel.stepping import KernelWalls, Saved, event_names
 
@@ -85,12 +85,9 @@ class Closable(NotPickled, Generic[_K]):
         self._guard.close()
 
 
-Reals = npt.NDArray[np.float64]
-Counts = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
-_Real = TypeVar("_Real", float, Reals)
-_Count = TypeVar("_Count", int, Counts)
-_Flag = TypeVar("_Flag", bool, Flags)
+_Real = TypeVar("_Real", float, numbers.Array)
+_Count = TypeVar("_Count", int, numbers.Wholes)
+_Flag = TypeVar("_Flag", bool, numbers.Truths)
 
 
 class WallState(NamedTuple, Generic[_Real, _Count, _Flag]):
@@ -105,7 +102,7 @@ class WallState(NamedTuple, Generic[_Real, _Count, _Flag]):
     u_s, u_s_dot, u_s_ddot : float
         Displacement of the frame relative to the ground [m] and its rates [m/s, m/s2].
     impacts, lift_offs, steps : int
-        Counts since the beginning; steps of the integrator.
+        Wholes since the beginning; steps of the integrator.
     at_rest, overturned, collapsed : bool
         Whether the wall rests on its base, has overturned, or a drift has passed its limit.
     """
@@ -196,11 +193,11 @@ class WallEvents(NamedTuple):
         Time [s], rotation [rad], rate of rotation [rad/s].
     """
 
-    wall: Counts
+    wall: numbers.Wholes
     kind: npt.NDArray[np.str_]
-    t: Reals
-    theta: Reals
-    theta_dot: Reals
+    t: numbers.Array
+    theta: numbers.Array
+    theta_dot: numbers.Array
 
 
 # first part of the way to the horizon that is searched for an event
@@ -259,7 +256,7 @@ class _Stepping(Closable[KernelWalls]):
         NumericalError
             When the integration fails.
         """
-        target = t if type(t) is float else to_number("t", t)
+        target = t if type(t) is float else numbers.to_number("t", t)
         with self._guard as kernel:
             kernel.advance(np.array([target]), self._no_motion, self._threads)
 
@@ -283,7 +280,7 @@ class _Stepping(Closable[KernelWalls]):
         NumericalError
             When the integration fails.
         """
-        times = t if _is_plain(t) else to_array("t", t)
+        times = t if _is_plain(t) else numbers.to_array("t", t)
         with self._guard as kernel:
             values = _columns(a, kernel.n, times.size)
             kernel.advance(times, values, self._threads)
@@ -316,7 +313,7 @@ class _Stepping(Closable[KernelWalls]):
             When it is no snapshot, or that of another wall.
         """
         if not isinstance(snapshot, WallSnapshot):
-            raise InputError(f"snapshot = {show(snapshot)}: must be the result of save()")
+            raise InputError(f"snapshot = {numbers.show(snapshot)}: must be the result of save()")
         with self._guard as kernel:
             if snapshot.saved.n != kernel.n:
                 raise InputError(
@@ -408,7 +405,7 @@ class Wall(_Stepping):
         NumericalError
             When the integration fails.
         """
-        target = to_number("t", t)
+        target = numbers.to_number("t", t)
         with self._guard as kernel:
             kernel.advance_ground(target, function)
 
@@ -507,13 +504,15 @@ class Walls(_Stepping):
         threads: int = 0,
     ) -> None:
         is_one = isinstance(cases, Case | str | os.PathLike)
-        items = to_items([cases] if is_one else cases)
+        items = numbers.to_items([cases] if is_one else cases)
         if items is None:
-            raise InputError(f"cases = {show(cases)}: must be a Case, a path, or a list of them")
+            raise InputError(
+                f"cases = {numbers.show(cases)}: must be a Case, a path, or a list of them"
+            )
         each = [case_of(case) for case in items]
         if not each:
             raise InputError("cases: must be one case or more")
-        number = len(each) if n is None else to_whole("n", n, 1, _MOST_WALLS)
+        number = len(each) if n is None else numbers.to_whole("n", n, 1, _MOST_WALLS)
         if len(each) not in (1, number):
             raise InputError(f"n = {number}: must be {len(each)}, the number of cases")
         super().__init__(each, number, t_begin, peak, check_threads(threads))
@@ -528,20 +527,20 @@ class Walls(_Stepping):
         return f"<{self._n} Walls{'' if self._guard.is_open else ', closed'}>"
 
     @property
-    def state(self) -> WallState[Reals, Counts, Flags]:
+    def state(self) -> WallState[numbers.Array, numbers.Wholes, numbers.Truths]:
         """Present states as arrays of shape (walls,), which the kernel has written."""
         with self._guard as kernel:
             reals, counts = kernel.states()
         return WallState(*reals[1:8], *counts[:3], *(flag != 0 for flag in counts[3:]))
 
     @property
-    def maxima(self) -> WallMaxima[Reals]:
+    def maxima(self) -> WallMaxima[numbers.Array]:
         """Largest ``|u_s|`` [m], ``|theta|`` [rad] and ``|theta_dot|`` [rad/s] of each wall."""
         with self._guard as kernel:
             return WallMaxima(*kernel.states()[0][8:])
 
     @property
-    def forces(self) -> WallForces[Reals]:
+    def forces(self) -> WallForces[numbers.Array]:
         """Present forces of each wall [N], in N/kg without a mass in its case."""
         with self._guard as kernel:
             return WallForces(*kernel.forces())
@@ -555,7 +554,7 @@ class Walls(_Stepping):
         return WallEvents(wall, np.array(event_names())[kinds - 1], *reals)
 
 
-def _is_plain(value: object, ndim: int = 1) -> TypeGuard[Reals]:
+def _is_plain(value: object, ndim: int = 1) -> TypeGuard[numbers.Array]:
     """Check for an array that the kernel reads as it is."""
     return (
         type(value) is np.ndarray
@@ -565,9 +564,9 @@ def _is_plain(value: object, ndim: int = 1) -> TypeGuard[Reals]:
     )
 
 
-def _columns(a: object, walls: int, times: int) -> Reals:
+def _columns(a: object, walls: int, times: int) -> numbers.Array:
     """Return accelerations as (times, walls) or (times, 1) in Fortran order."""
-    rows = a if _is_plain(a, 1) or _is_plain(a, 2) else to_shaped("a", a)
+    rows = a if _is_plain(a, 1) or _is_plain(a, 2) else numbers.to_shaped("a", a)
     if rows.shape not in ((times,), (walls, times)):
         allowed = f"({times},)" if walls == 1 else f"({times},) or ({walls}, {times})"
         raise InputError(f"a: has the shape {rows.shape}: must have {allowed}, as many as t")
@@ -580,5 +579,5 @@ def _kinds(kinds: Sequence[str]) -> set[str]:
     wanted = set(texts_of("kinds", kinds))
     for kind in wanted or {""}:
         if kind not in known:
-            raise InputError(f"kinds = {show(kind)}: must be of {', '.join(known)}")
+            raise InputError(f"kinds = {numbers.show(kind)}: must be of {', '.join(known)}")
     return wanted

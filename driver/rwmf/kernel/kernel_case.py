@@ -8,12 +8,12 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf.errors import InputError, without_lines
 from rwmf.kernel.marshalling import Memory, call, encode, fetch_text, split_table
+from rwmf.kernel.numbers import Array
 
 
 class SceneAxis(NamedTuple):
@@ -76,7 +76,7 @@ class KernelCase:
         self._looked_up = (changes, found)
         return found
 
-    def changed(self, found: Memory, numbers: npt.NDArray[np.float64], source: str) -> KernelCase:
+    def changed(self, found: Memory, numbers: Array, source: str) -> KernelCase:
         """Make a case with other numbers; it shares the records' samples and the motion."""
         handles = (self.handle, found.handle)
         memory = Memory(*call(_cases.case_change, *handles, numbers, encode(source)))
@@ -125,7 +125,7 @@ class KernelCase:
         """Return the warnings about the motion of the case, whatever its outputs."""
         return self.warnings(("u_s_max_m",))
 
-    def paper_coefficients(self, theta: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    def paper_coefficients(self, theta: Array) -> Array:
         """Compute the coefficients of Eq. (15)."""
         found = np.empty((theta.size, 4), order="F")
         with self.own_lines():
@@ -179,7 +179,7 @@ def read_case(
     )
 
 
-def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Memory:
+def keep_samples(values: Array, times: Array | None) -> Memory:
     """Check samples of a ground motion and store them in the kernel."""
     times = np.zeros(0) if times is None else times
     return Memory(*call(_cases.samples_keep, values, times))

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
+from rwmf.kernel.numbers import Wholes
 
 
 class Memory:
@@ -127,7 +128,7 @@ def decode(buffer: npt.NDArray[np.int8], length: int) -> str:
 
 
 Progress = Callable[[int], None]
-Flags = npt.NDArray[np.int64]
+Flags = Wholes
 Message = npt.NDArray[np.int8]
 # results of a procedure, its status and the length of its message
 Outcome = tuple[Any, ...]

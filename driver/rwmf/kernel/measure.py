@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_cost as _cost
 from rwmf._reference import rwmf_bindings_python_reference as _reference
 from rwmf.errors import InputError
 from rwmf.kernel.marshalling import encode, fetch_text, wait_for
+from rwmf.kernel.numbers import Array
 
 if TYPE_CHECKING:
     from rwmf.case import Case
@@ -44,7 +44,7 @@ class Measurement:
     """
 
     values: dict[str, float]
-    impact_times: npt.NDArray[np.float64]
+    impact_times: Array
     steps: int
     rhs_evaluations: int
     impacts: int
@@ -68,8 +68,7 @@ class Reference(Measurement):
 
 def requested_peak(case: Case) -> str | None:
     """Return the quantity whose accuracy a case requests."""
-    requested: str | None = getattr(case.solver, "accuracy_of", None)
-    return requested
+    return getattr(case.solver, "accuracy_of", None)
 
 
 def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measurement:
@@ -137,7 +136,7 @@ def _names() -> list[str]:
     return fetch_text(_cost.value_names).split()
 
 
-def _by_name(values: npt.NDArray[np.float64], case: Case) -> dict[str, float]:
+def _by_name(values: Array, case: Case) -> dict[str, float]:
     named = dict(zip(_names(), values.tolist(), strict=True))
     peak = named.pop("peak")
     requested = requested_peak(case)

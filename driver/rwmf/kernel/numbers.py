@@ -19,6 +19,8 @@ from rwmf.errors import InputError
 from rwmf.kernel.names import shorten
 
 Array = npt.NDArray[np.float64]
+Truths = npt.NDArray[np.bool_]
+Wholes = npt.NDArray[np.int64]
 _NUMBERS = int | float | np.integer | np.floating
 # types of integers in Python and NumPy
 _NO_NUMBERS = bool | np.timedelta64

@@ -25,7 +25,7 @@ from rwmf.kernel.marshalling import (
     wait_for,
     write,
 )
-from rwmf.kernel.numbers import show
+from rwmf.kernel.numbers import Array, show
 
 # scalars of a run in one call
 _FIRST_CAPACITY = 256
@@ -83,7 +83,7 @@ class Run(Result):
         numbers = zip(lines, reals.tolist(), counts.tolist(), strict=False)
         return dict(summary_item(*item) for item in numbers)
 
-    def history(self) -> tuple[list[str], npt.NDArray[np.float64]]:
+    def history(self) -> tuple[list[str], Array]:
         """Return column names and values (columns, rows); both empty without `&output dt`.
 
         The values are a view of the kernel's memory: all views of this history share changes.
@@ -151,9 +151,6 @@ class Spectrum(Result):
         """Write the CSV file of the batch program, with the namelist text of the case in it."""
         asked = (self.case.handle, self.handle, encode(text), encode(path))
         write(lambda *buffers: _kernel.spectrum_write(*asked, *buffers))
-
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -261,7 +258,7 @@ def start_rows(
     case: KernelCase,
     source: str,
     columns: Sequence[str],
-    values: npt.NDArray[np.float64],
+    values: Array,
     quantities: Sequence[str] = (),
     threads: int = 0,
     progress: Progress | None = None,

@@ -21,10 +21,8 @@ from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf.errors import InputError
 from rwmf.kernel.kernel_case import KernelCase
 from rwmf.kernel.marshalling import Memory, call, fetch_text, message_buffer, raise_for, wait_for
-from rwmf.kernel.numbers import float_of, show
+from rwmf.kernel.numbers import Array, Wholes, float_of, show
 
-_Reals = npt.NDArray[np.float64]
-_Counts = npt.NDArray[np.int64]
 _GROUND = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 # calls that are expected to take longer wait in another thread, so that Ctrl-C ends them
 _SHORT_SECONDS = 0.05
@@ -67,7 +65,7 @@ class KernelWalls:
         # time reached [s], and processor time of a second of motion in the last call
         self._t, self._pace = t_begin, math.inf
 
-    def advance(self, t: _Reals, a: _Reals, threads: int) -> None:
+    def advance(self, t: Array, a: Array, threads: int) -> None:
         """Advance all walls; after an error none of them has changed."""
         message, handle = self._message, self._memory.handle
         target = float(t[-1]) if t.size else self._t
@@ -107,20 +105,20 @@ class KernelWalls:
             raise raised[0] from None
         raise_for(status, self._message, length)
 
-    def states(self) -> tuple[_Reals, _Counts]:
+    def states(self) -> tuple[Array, Wholes]:
         """Return the states, written by the kernel into new arrays."""
         reals = np.empty((_REALS, self.n))
         counts = np.empty((_COUNTS, self.n), dtype=np.int64)
         call(_hosts.walls_state, self._memory.handle, reals.T, counts.T)
         return reals, counts
 
-    def forces(self) -> _Reals:
+    def forces(self) -> Array:
         """Return the forces, written by the kernel into a new array."""
         forces = np.empty((_FORCES, self.n))
         call(_hosts.walls_forces, self._memory.handle, forces.T)
         return forces
 
-    def events(self) -> tuple[_Counts, npt.NDArray[np.int32], _Reals]:
+    def events(self) -> tuple[Wholes, npt.NDArray[np.int32], Array]:
         """Return the events of the last advance, wall after wall."""
         counts = np.empty(self.n, dtype=np.int64)
         _hosts.walls_event_counts(self._memory.handle, counts)
@@ -183,7 +181,7 @@ class KernelMember:
         counts, u = _hosts.member_info(self._memory.handle)
         return int(counts[4]), bool(counts[5]), float(u)
 
-    def respond(self, sides: npt.NDArray[np.int32], motion: _Reals) -> _Reals:
+    def respond(self, sides: npt.NDArray[np.int32], motion: Array) -> Array:
         """Compute the responses to trial motions; the last one sets the trial state."""
         message = message_buffer()
         found = np.empty((sides.size, self.dofs + 3 * self.dofs**2 + _DEVICES))
@@ -211,23 +209,23 @@ class KernelMember:
         """Restore a saved state."""
         _hosts.member_restore(self._memory.handle, saved.memory.handle)
 
-    def links_of(self, motion: _Reals) -> _Reals:
+    def links_of(self, motion: Array) -> Array:
         """Return the motion of the wall at its links."""
         found = np.empty((3 + self.dofs, self.links))
         call(_hosts.member_links, self._memory.handle, motion, found.T)
         return found
 
-    def next_event(self, numbers: _Reals, has_branches: bool) -> tuple[int, float, int]:
+    def next_event(self, numbers: Array, has_branches: bool) -> tuple[int, float, int]:
         """Find the first event of a step."""
         asked = (numbers, int(has_branches))
         ((kind, tau, side),) = call(_hosts.member_next_event, self._memory.handle, *asked)
         return int(kind), float(tau), int(side)
 
-    def land(self, displacements: _Reals, velocities: _Reals, mass: _Reals) -> None:
+    def land(self, displacements: Array, velocities: Array, mass: Array) -> None:
         """Apply an impact: change the velocities and the side."""
         call(_hosts.member_land, self._memory.handle, displacements, velocities, mass)
 
-    def settles(self, numbers: _Reals, mass: _Reals) -> bool:
+    def settles(self, numbers: Array, mass: Array) -> bool:
         """Tell whether the wall may be put to rest after an impact."""
         return bool(*call(_hosts.member_rests, self._memory.handle, numbers, mass))
 

@@ -9,16 +9,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Motion
 from rwmf.errors import InputError
 from rwmf.kernel import tables
 from rwmf.kernel.names import shorten
-from rwmf.kernel.numbers import show
+from rwmf.kernel.numbers import Array, show
 from rwmf.kernel.tables import unit_named
-
-Values = npt.NDArray[np.float64]
 
 _VERTICAL = re.compile(r"\b(up|u-d|ud|vert\w*|down|dn|dwn|z)\b", re.IGNORECASE)
 # number of a unit in tables of COSMOS: 'cm/s^2 (4)'
@@ -54,13 +51,13 @@ class Channel:
         return _VERTICAL.search(self.direction) is not None
 
 
-def free_numbers(lines: Sequence[str], first: int) -> Values:
+def free_numbers(lines: Sequence[str], first: int) -> Array:
     """Read numbers separated by blanks."""
     words = [line.split() for line in lines]
     return _numbers(words, first)
 
 
-def fixed_numbers(lines: Sequence[str], first: int, count: int, layout: tuple[int, int]) -> Values:
+def fixed_numbers(lines: Sequence[str], first: int, count: int, layout: tuple[int, int]) -> Array:
     """Read numbers in columns of fixed width, which may touch."""
     per_line, width = layout
     used = lines[: -(-count // per_line)]
@@ -76,7 +73,7 @@ def fixed_numbers(lines: Sequence[str], first: int, count: int, layout: tuple[in
     return _numbers(cells, first)[:count]
 
 
-def _numbers(rows: list[list[str]], first: int) -> Values:
+def _numbers(rows: list[list[str]], first: int) -> Array:
     """Convert the words of lines."""
     try:
         values = np.array([float(word) for row in rows for word in row])
@@ -111,7 +108,7 @@ def header_number(key: str, text: str | None, *, above: float = 0.0) -> float:
     return float(text)
 
 
-def in_base_unit(values: Values, text: str, key: str) -> tuple[Values, str]:
+def in_base_unit(values: Array, text: str, key: str) -> tuple[Array, str]:
     """Convert accelerations to a unit of a motion."""
     quantity, base, times, over = tables.unit_named(_CODE.sub("", text))
     if quantity != "acceleration":
@@ -121,7 +118,7 @@ def in_base_unit(values: Values, text: str, key: str) -> tuple[Values, str]:
     return (values if times == over == 1 else values * times / over), base
 
 
-def check_count(values: Values, stated: float, key: str) -> None:
+def check_count(values: Array, stated: float, key: str) -> None:
     """Compare the number of samples with that of the header."""
     if values.size != stated:
         raise InputError(
@@ -129,7 +126,7 @@ def check_count(values: Values, stated: float, key: str) -> None:
         )
 
 
-def check_peak(values: Values, stated: str | None, key: str) -> None:
+def check_peak(values: Array, stated: str | None, key: str) -> None:
     """Compare the largest sample with the peak of the header."""
     if stated is None or not stated.strip():
         return
@@ -424,7 +421,7 @@ def read_cosmos(lines: list[str], name: str) -> list[Channel]:
     return _channels(lines, name, "COSMOS", _COSMOS, _read_cosmos)
 
 
-def _read_cosmos(lines: list[str], i: int, match: re.Match[str]) -> tuple[Values, str, float]:
+def _read_cosmos(lines: list[str], i: int, match: re.Match[str]) -> tuple[Array, str, float]:
     reals = _real_header(lines[:i])
     values, unit = in_base_unit(_block(lines, i, match), match["unit"], f"line {i + 1}: units")
     is_raw = reals[_INTERVAL_MS] in (0.0, _UNKNOWN)
@@ -446,7 +443,7 @@ def read_cgs(lines: list[str], name: str) -> list[Channel]:
     return _channels(lines, name, "CGS", _CGS, _read_cgs)
 
 
-def _read_cgs(lines: list[str], i: int, match: re.Match[str]) -> tuple[Values, str, float]:
+def _read_cgs(lines: list[str], i: int, match: re.Match[str]) -> tuple[Array, str, float]:
     if match["rate"] is None:
         dt = header_number("the interval", match["dt"])
     else:
@@ -463,7 +460,7 @@ def _channels(
     name: str,
     dialect: str,
     pattern: re.Pattern[str],
-    read: Callable[[list[str], int, re.Match[str]], tuple[Values, str, float]],
+    read: Callable[[list[str], int, re.Match[str]], tuple[Array, str, float]],
 ) -> list[Channel]:
     """Read the blocks of accelerations behind lines of a pattern."""
     places = [(i, match) for i, line in enumerate(lines) if (match := pattern.match(line))]
@@ -479,7 +476,7 @@ def _channels(
     return channels
 
 
-def _block(lines: list[str], i: int, match: re.Match[str]) -> Values:
+def _block(lines: list[str], i: int, match: re.Match[str]) -> Array:
     """Read the numbers behind a line that gives count and layout."""
     layout = (int(match["per"]), int(match["width"]))
     if min(layout) < 1:
@@ -487,7 +484,7 @@ def _block(lines: list[str], i: int, match: re.Match[str]) -> Values:
     return fixed_numbers(lines[i + 1 :], i + 2, int(match["n"]), layout)
 
 
-def _real_header(lines: list[str]) -> Values:
+def _real_header(lines: list[str]) -> Array:
     """Return the last real header before a block of numbers."""
     i, match = next(
         ((i, found) for i in reversed(range(len(lines))) if (found := _REALS.match(lines[i]))),

@@ -15,10 +15,9 @@ import numpy as np
 from rwmf.case import Case, Motion
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError, did_you_mean
-from rwmf.kernel.numbers import show, to_array, to_number
+from rwmf.kernel.numbers import Array, show, to_array, to_number
 from rwmf.motion.record_sets import RecordFile, find_records, read_bytes, read_channels
 from rwmf.motion.waveform import (
-    Array,
     Waveform,
     aligned,
     pseudo_accelerations,

@@ -18,12 +18,12 @@ from rwmf.case.arguments import checked
 from rwmf.errors import InputError, OutputError, did_you_mean
 from rwmf.kernel import files, tables
 from rwmf.kernel.names import how_to_install
-from rwmf.kernel.numbers import show, to_array, to_number, to_whole
+from rwmf.kernel.numbers import Array, show, to_array, to_number, to_whole
 from rwmf.kernel.tables import unusual_record
 from rwmf.motion.formats import Channel
 from rwmf.motion.intensity import DAMPING, G
 from rwmf.motion.record_sets import hold_to_motions, read_bytes, read_channels
-from rwmf.motion.waveform import Array, Waveform, pseudo_accelerations, waveform_of
+from rwmf.motion.waveform import Waveform, pseudo_accelerations, waveform_of
 
 _IN_SI = {"m/s2": 1.0, "cm/s2": 0.01}
 # rounding of times that still fit a common interval, over the interval [-]
@@ -89,8 +89,7 @@ def _without_baseline(a: Array, dt: float, order: int) -> Array:
     powers = np.arange(1, order + 2)
     found = np.linalg.lstsq(s[:, None] ** powers, velocity, rcond=None)[0]
     slope: Array = (s[:, None] ** (powers - 1)) @ (found * powers)
-    corrected: Array = a - slope / (dt * (a.size - 1))
-    return corrected
+    return a - slope / (dt * (a.size - 1))
 
 
 def _tapered(a: Array, dt: float, length: float) -> Array:
@@ -100,8 +99,7 @@ def _tapered(a: Array, dt: float, length: float) -> Array:
     ramp = 0.5 * (1 - np.cos(np.pi * np.arange(n) / n))
     shape = np.ones(a.size)
     shape[:n], shape[a.size - n :] = ramp, ramp[::-1]
-    tapered: Array = a * shape
-    return tapered
+    return a * shape
 
 
 def _filtered(a: Array, dt: float, low: float, high: float, poles: int) -> tuple[Array, str]:

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.case import Motion
 from rwmf.case.arguments import checked
@@ -18,17 +17,9 @@ from rwmf.errors import InputError, warn
 from rwmf.kernel import files
 from rwmf.kernel.files import path_of
 from rwmf.kernel.names import shorten
-from rwmf.kernel.numbers import show, to_array, to_items, to_number, to_whole
+from rwmf.kernel.numbers import Array, Truths, show, to_array, to_items, to_number, to_whole
 from rwmf.kernel.progress import Reports, reporting
-from rwmf.motion.formats import (
-    ACCELERATION,
-    ColumnName,
-    convert,
-    known_words,
-    read_column_name,
-    unit_in_text,
-    unit_of_cell,
-)
+from rwmf.motion import formats
 from rwmf.motion.intensity import DAMPING, G, waveform_of_record
 from rwmf.motion.record_sets import (
     SUITE_HEADER,
@@ -120,27 +111,31 @@ def pairs(
     return tuple(found)
 
 
-Array = npt.NDArray[np.float64]
 _ROLES = {
     "period": (
-        known_words("t tn period periods natural vibration structural fundamental"),
+        formats.known_words("t tn period periods natural vibration structural fundamental"),
         "time",
     ),
-    "frequency": (known_words("f fn freq frequency frequencies natural omega"), "frequency"),
-    ACCELERATION: (
-        known_words(
+    "frequency": (
+        formats.known_words("f fn freq frequency frequencies natural omega"),
+        "frequency",
+    ),
+    formats.ACCELERATION: (
+        formats.known_words(
             "sa psa se sae rs a s t spectral pseudo acceleration accelerations accel acc response "
             "spectrum"
         )
-        | known_words("target design elastic code site ec asce uhs mce mcer dbe year years yr")
-        | known_words("horizontal mean median geomean geometric max rotd damped damping")
-        | known_words("of critical %"),
-        ACCELERATION,
+        | formats.known_words(
+            "target design elastic code site ec asce uhs mce mcer dbe year years yr"
+        )
+        | formats.known_words("horizontal mean median geomean geometric max rotd damped damping")
+        | formats.known_words("of critical %"),
+        formats.ACCELERATION,
     ),
 }
 # words by which a line of names is recognised, at its begin and anywhere in a name
-_FIRST = known_words("t tn f fn omega se sae sv sd psv psd log ln velocity displacement")
-_ANYWHERE = known_words("period periods freq frequency sa psa acceleration")
+_FIRST = formats.known_words("t tn f fn omega se sae sv sd psv psd log ln velocity displacement")
+_ANYWHERE = formats.known_words("period periods freq frequency sa psa acceleration")
 _DAMPING = re.compile(
     r"([\d.]+)\s*%\s*(?:of critical )?damp|([\d.]+)\s*%\s*[\])]|damp\w*\W+([\d.]+)\s*%"
 )
@@ -166,9 +161,11 @@ def read_target(path: Path, damping: float) -> Array:
         raise InputError(f"target: {path}, {place}{error}") from error
 
 
-def _names_above(lines: list[str], damping: float) -> tuple[tuple[ColumnName, ...] | None, int]:
+def _names_above(
+    lines: list[str], damping: float
+) -> tuple[tuple[formats.ColumnName, ...] | None, int]:
     """Return the names of the columns, and their line; None without names."""
-    found: tuple[ColumnName, ...] | None = None
+    found: tuple[formats.ColumnName, ...] | None = None
     at = 0
     stated: tuple[int, str] | None = None
     for i, line in enumerate(lines, 1):
@@ -177,17 +174,18 @@ def _names_above(lines: list[str], damping: float) -> tuple[tuple[ColumnName, ..
             continue
         _check_damping(text, damping, i)
         cells = _split(text)
-        units = [unit for unit in map(unit_of_cell, cells) if unit is not None]
-        names = tuple(map(read_column_name, cells))
+        units = [unit for unit in map(formats.unit_of_cell, cells) if unit is not None]
+        names = tuple(map(formats.read_column_name, cells))
         is_comment = line.startswith(("#", "%", "!"))
         if found is not None and len(cells) == len(units) == 2:
             # a line of units below the names
             found = tuple(
-                ColumnName(name.words, unit) for name, unit in zip(found, units, strict=True)
+                formats.ColumnName(name.words, unit)
+                for name, unit in zip(found, units, strict=True)
             )
         elif len(names) == 2 and any(map(_is_column, names)):
             found, at = names, i
-        elif (unit := unit_in_text(text)) is not None:
+        elif (unit := formats.unit_in_text(text)) is not None:
             stated = (i, unit)
         elif len(cells) > 1 and not is_comment and i == len(lines):
             raise InputError(f"line {i}: the columns are {shorten(text)}: {_FORM}")
@@ -199,7 +197,7 @@ def _names_above(lines: list[str], damping: float) -> tuple[tuple[ColumnName, ..
     return found, at
 
 
-def _is_column(name: ColumnName) -> bool:
+def _is_column(name: formats.ColumnName) -> bool:
     is_first = not _FIRST.isdisjoint(name.tokens[:1])
     return is_first or not _ANYWHERE.isdisjoint(name.tokens)
 
@@ -222,7 +220,7 @@ def _check_damping(text: str, damping: float, line: int) -> None:
         raise InputError(f"line {line}: states {stated} % damping, where damping = {damping:g}")
 
 
-def _kind(name: ColumnName) -> str:
+def _kind(name: formats.ColumnName) -> str:
     """Return period, frequency or acceleration; '' for another name."""
     for kind, (words, dimension) in _ROLES.items():
         if name.consists_of(words, dimension) and (name.tokens or name.dimension == dimension):
@@ -253,18 +251,22 @@ def _numbers(lines: list[str], first: int) -> list[tuple[int, float, float]]:
 
 
 def _converted(
-    table: list[tuple[int, float, float]], names: tuple[ColumnName, ...] | None
+    table: list[tuple[int, float, float]], names: tuple[formats.ColumnName, ...] | None
 ) -> Array:
     """Return periods [s] and accelerations [g] by the names of their columns."""
     lines, x, y = (np.array(column) for column in zip(*table, strict=True))
     if names is None:
-        names = (ColumnName("period", ""), ColumnName("sa", ""))
-    if _kind(names[0]) == ACCELERATION:
+        names = (formats.ColumnName("period", ""), formats.ColumnName("sa", ""))
+    if _kind(names[0]) == formats.ACCELERATION:
         names, x, y = names[::-1], y, x
     position, value = names
     kind = _kind(position)
-    factor = convert(value, "g")
-    if kind not in ("period", "frequency") or _kind(value) != ACCELERATION or factor is None:
+    factor = formats.convert(value, "g")
+    if (
+        kind not in ("period", "frequency")
+        or _kind(value) != formats.ACCELERATION
+        or factor is None
+    ):
         shown = " and ".join(f"{name.words} [{name.unit}]" for name in names)
         raise InputError(f"the columns are {shown}: {_FORM}")
     x = x * position.factor
@@ -606,7 +608,7 @@ def eurocode8(
     return np.stack([periods, np.select(regions, parts, top * T_C * T_D / periods**2)])
 
 
-def _regions(last: float, *corners: float) -> tuple[Array, list[npt.NDArray[np.bool_]]]:
+def _regions(last: float, *corners: float) -> tuple[Array, list[Truths]]:
     """Return periods even in their logarithm with the corners between them, and their regions."""
     inner = [corner for corner in corners if _BEGIN < corner < last]
     periods = np.unique(np.concatenate([np.geomspace(_BEGIN, last, _BETWEEN), inner]))

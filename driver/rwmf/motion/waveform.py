@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from rwmf.case import Motion
 from rwmf.errors import InputError
+from rwmf.kernel.numbers import Array
 
-Array = npt.NDArray[np.float64]
 Places = npt.NDArray[np.int_]
 
 # relative gain below which an interval is no longer divided
@@ -129,8 +129,7 @@ class Waveform:
         a, v, slope = self.rows, self.velocities(), self.slope
 
         def value(row: Places, step: Places, tau: Array) -> Array:
-            inside: Array = v[row, step] + tau * (a[row, step] + tau * slope[row, step] / 2)
-            return inside
+            return v[row, step] + tau * (a[row, step] + tau * slope[row, step] / 2)
 
         return largest(v[:, :-1], v[:, 1:], self.h, np.abs(slope), value)
 
@@ -140,8 +139,7 @@ class Waveform:
 
         def value(row: Places, step: Places, tau: Array) -> Array:
             jerk = tau * slope[row, step] / 6
-            inside: Array = u[row, step] + tau * (v[row, step] + tau * (a[row, step] / 2 + jerk))
-            return inside
+            return u[row, step] + tau * (v[row, step] + tau * (a[row, step] / 2 + jerk))
 
         bound = np.maximum(np.abs(a[:, :-1]), np.abs(a[:, 1:]))
         return largest(u[:, :-1], u[:, 1:], self.h, bound, value)
@@ -154,8 +152,7 @@ class Waveform:
     def _squares(self) -> Array:
         """Integrals of the squared acceleration over each step [m2/s3]."""
         a, b = self.rows[:, :-1], self.rows[:, 1:]
-        squares: Array = self.h * (a * a + a * b + b * b) / 3
-        return squares
+        return self.h * (a * a + a * b + b * b) / 3
 
     def husid(self) -> Array:
         """Share of the Arias intensity up to each sample."""
@@ -220,8 +217,7 @@ def rotated(pair: tuple[Waveform, Waveform], angles: Array) -> Waveform:
 
 def _accumulated(parts: Array) -> Array:
     """Sum up steps from zero, shape (rows, n)."""
-    total: Array = np.cumsum(np.pad(parts, ((0, 0), (1, 0))), axis=1)
-    return total
+    return np.cumsum(np.pad(parts, ((0, 0), (1, 0))), axis=1)
 
 
 # numbers of one array; longer lists of periods are computed in parts
@@ -424,8 +420,7 @@ def rotated_pseudo_accelerations(
     )
     ends = [turn(getattr(x, name)[0][-1:], getattr(y, name)[0][-1:]) for name in ("u", "v")]
     free = _free(History(omega[:, 0], xi, *ends))
-    peak: Array = omega[:, 0] ** 2 * np.maximum(steps.largest(), free.largest())
-    return peak
+    return omega[:, 0] ** 2 * np.maximum(steps.largest(), free.largest())
 
 
 def _curvature(wave: Waveform, history: History) -> Array:

@@ -13,7 +13,6 @@ from itertools import accumulate, groupby
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rwmf.case import Case, CaseLike
@@ -21,12 +20,11 @@ from rwmf.case.arguments import case_of
 from rwmf.case.elements import heights_of_storeys
 from rwmf.errors import InputError
 from rwmf.kernel import files
-from rwmf.kernel.numbers import show
+from rwmf.kernel.numbers import Array, Truths, show
 from rwmf.run.arguments import dataset_of
 from rwmf.run.quantities import Quantity, ending_of, fallen, find_numbered, names_by_key
 from rwmf.run.response import Response, columns_by_key
 
-Array = npt.NDArray[np.float64]
 # a protocol often ends at a limit: round-off does not exceed it
 _ROUND_OFF = 1e-12
 
@@ -325,7 +323,7 @@ def _check(
     limit: Limit,
     heights: list[float],
     demands: Array,
-    down: npt.NDArray[np.bool_] | None = None,
+    down: Truths | None = None,
     at: dict[str, Any] | None = None,
     *,
     is_suite: bool = False,

@@ -13,7 +13,7 @@ from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError
 from rwmf.kernel import results, tables
-from rwmf.kernel.numbers import show, to_array, to_whole
+from rwmf.kernel.numbers import Array, show, to_array, to_whole
 from rwmf.run.checks import crossings_of
 from rwmf.run.quantities import INSTANT, QUANTITIES, find_numbered
 from rwmf.run.response import OWN, Labelled, Response, dataset
@@ -107,7 +107,7 @@ def _with_marks(curve: _Curve, more: Iterable[tuple[str, int, float]]) -> _Curve
     return plain.assign_coords({key: xr.Variable(*item) for key, item in marks.items()})
 
 
-def _pattern_of(case: Case, pattern: object, forces: object) -> tuple[str, npt.NDArray[np.float64]]:
+def _pattern_of(case: Case, pattern: object, forces: object) -> tuple[str, Array]:
     """Return the name of the pattern, and the forces of 'floors'."""
     if pattern is not None and not isinstance(pattern, str):
         if forces is not None:
@@ -163,9 +163,7 @@ def _to_dataset(curve: results.StaticCurve, case: Case, pattern: str) -> Respons
     return dataset(variables, coordinates, facts, Response)
 
 
-def _marks(
-    names: list[str], steps: npt.NDArray[Any], drifts: npt.NDArray[np.float64]
-) -> dict[str, Labelled]:
+def _marks(names: list[str], steps: npt.NDArray[Any], drifts: Array) -> dict[str, Labelled]:
     return {
         "mark": (("mark",), np.array(names, dtype=str), {"long_name": "event of the path"}),
         "mark_step": (("mark",), steps, {"long_name": "step of the event"}),
@@ -178,8 +176,8 @@ def _marks(
 
 
 def _in_newtons(
-    columns: dict[str, npt.NDArray[np.float64]], weights: tuple[float, float], case: Case
-) -> dict[str, npt.NDArray[np.float64]]:
+    columns: dict[str, Array], weights: tuple[float, float], case: Case
+) -> dict[str, Array]:
     """Return the forces in N and moments in N m, where the case has masses."""
     if not weights[0] > 0:
         return {}

@@ -8,11 +8,11 @@ from dataclasses import astuple, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf.errors import InputError
 from rwmf.kernel import tables
 from rwmf.kernel.names import shorten
+from rwmf.kernel.numbers import Truths
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -183,7 +183,7 @@ def ending_of(summary: Mapping[str, Any]) -> str:
     return next((name for name in ENDINGS if summary.get(name)), "ok")
 
 
-def fallen(dataset: xr.Dataset) -> npt.NDArray[np.bool_]:
+def fallen(dataset: xr.Dataset) -> Truths:
     """Find the runs of a sweep, a spectrum or a table that overturned or collapsed."""
     status = dataset["status"]
     # a sweep has numbers, the others names

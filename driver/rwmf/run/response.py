@@ -9,12 +9,12 @@ from html import escape
 from typing import TYPE_CHECKING, Any, Self, TypeVar, cast, overload
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 from xarray.plot.accessor import DatasetPlotAccessor
 
 from rwmf.errors import InputError
+from rwmf.kernel.numbers import Array
 from rwmf.run.headline import grouped, headline, is_complete
 from rwmf.run.quantities import INSTANT, QUANTITIES, Quantity
 
@@ -285,7 +285,7 @@ def as_response(dataset: xr.Dataset) -> xr.Dataset:
     return Response(dataset.data_vars, dataset.coords, dataset.attrs)
 
 
-def columns_by_key(curve: xr.Dataset) -> dict[str, npt.NDArray[np.float64]]:
+def columns_by_key(curve: xr.Dataset) -> dict[str, Array]:
     """Return the columns of a curve by their keys, as in CSV and JSON."""
     keys = {name: key for key, (name, _, _) in OWN.items()}
     for key, quantity in (QUANTITIES | INSTANT).items():
@@ -332,8 +332,7 @@ def dataset(
             indexes[name] = xr.indexes.PandasIndex(index, name, coord_dtype=variable.dtype)
             variable = indexes[name].create_variables({name: variable})[name]
         made[name] = variable
-    found: _Made = make(made, set(coordinates), sizes, dict(attributes), indexes)
-    return found
+    return make(made, set(coordinates), sizes, dict(attributes), indexes)
 
 
 def _quick_way(kind: type[_Made]) -> Callable[..., _Made] | None:

@@ -5,20 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError
 from rwmf.kernel import results, tables
-from rwmf.kernel.numbers import to_array
+from rwmf.kernel.numbers import Array, to_array
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.run.quantities import AXES, QUANTITIES, find, keys_of
 from rwmf.run.response import dataset
 
-Values = Sequence[float] | npt.NDArray[np.float64] | float
+Values = Sequence[float] | Array | float
 
 
 @checked
@@ -170,7 +168,7 @@ def with_grid(
     quantities: Sequence[str] | None = None,
 ) -> Case:
     """Return the case with another grid, or other quantities, in its `&spectrum`."""
-    grid: dict[str, npt.NDArray[np.float64] | list[str] | None] = {}
+    grid: dict[str, Array | list[str] | None] = {}
     if T_s is not None:
         # the list replaces the uniform grid
         grid |= dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing"))

@@ -18,12 +18,11 @@ from rwmf.case.namelist import Value
 from rwmf.errors import InputError, did_you_mean
 from rwmf.kernel import tables
 from rwmf.kernel.names import readable
-from rwmf.kernel.numbers import float_of, show, to_items
+from rwmf.kernel.numbers import Array, Wholes, float_of, show, to_items
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import AXES
 
 _T = TypeVar("_T")
-Array = npt.NDArray[np.float64]
 Scenes = npt.NDArray[np.uint32]
 Entries = dict[str, dict[str, Value]]
 Key = tuple[str, str]
@@ -410,7 +409,6 @@ def _find_key(name: str, label: str) -> Key:
     )
 
 
-Places = npt.NDArray[np.int64]
 _SHOWN_LINES = 20
 # separator between the text of a layout, which never contains it, and its columns
 _END = b"\0"
@@ -427,8 +425,8 @@ class Rows(NamedTuple):
         Indices of the runs in the whole sweep, with the last dimension fastest.
     """
 
-    positions: tuple[Places, ...]
-    places: Places
+    positions: tuple[Wholes, ...]
+    places: Wholes
 
 
 @dataclass(frozen=True)
@@ -487,7 +485,7 @@ class Layout:
         return int(self._first_chunks[-1])
 
     @functools.cached_property
-    def _members(self) -> list[tuple[Places, Places]]:
+    def _members(self) -> list[tuple[Wholes, Wholes]]:
         """Return the positions along each dimension grouped by scene, and each scene's start."""
         found = []
         for scenes in self.scene_of.values():
@@ -496,7 +494,7 @@ class Layout:
         return found
 
     @functools.cached_property
-    def _first_chunks(self) -> Places:
+    def _first_chunks(self) -> Wholes:
         """Return the number of the first chunk of each group, and of all chunks."""
         sizes = np.ones(1, dtype=np.int64)
         for _, begins in self._members:
@@ -513,7 +511,7 @@ class Layout:
         members, start, stop = self._part(number)
         rest = np.arange(start, stop)
         places = np.zeros(stop - start, dtype=np.int64)
-        positions: list[Places] = []
+        positions: list[Wholes] = []
         stride = 1
         for size, member in zip(reversed(self.shape), reversed(members), strict=True):
             rest, inside = np.divmod(rest, len(member))
@@ -522,11 +520,11 @@ class Layout:
             stride *= size
         return Rows(tuple(positions), places)
 
-    def _part(self, number: int) -> tuple[list[Places], int, int]:
+    def _part(self, number: int) -> tuple[list[Wholes], int, int]:
         """Return a group's positions along each dimension, and a chunk's range in the group."""
         group = int(np.searchsorted(self._first_chunks, number, "right")) - 1
         first, following = self._first_chunks[group : group + 2].tolist()
-        members: list[Places] = []
+        members: list[Wholes] = []
         for order, begins in reversed(self._members):
             group, scene = divmod(group, len(begins) - 1)
             members.insert(0, order[begins[scene] : begins[scene + 1]])

@@ -19,7 +19,7 @@ from rwmf.case.arguments import case_of
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError, NumericalError, without_lines
 from rwmf.kernel import kernel_case, results, tables
-from rwmf.kernel.numbers import short_decimal
+from rwmf.kernel.numbers import Array, short_decimal
 from rwmf.motion.intensity import Intensity, choose_intensity, scale_to_one
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import (
@@ -77,7 +77,7 @@ class Task:
     entries: Entries
     source: str
     columns: tuple[str, ...]
-    rows: npt.NDArray[np.float64]
+    rows: Array
     quantities: tuple[str, ...]
     motions: dict[str, Motion]
     threads: int = 1
@@ -102,7 +102,7 @@ class Chunk:
     number: int
     names: tuple[str, ...]
     status: npt.NDArray[np.uint8]
-    values: dict[str, npt.NDArray[np.float64]]
+    values: dict[str, Array]
 
 
 def run_task(task: Task, progress: Progress | None = None) -> Chunk:

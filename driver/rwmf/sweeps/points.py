@@ -19,7 +19,7 @@ from rwmf.case import Motion
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError
 from rwmf.kernel.names import problem_of_name, shorten
-from rwmf.kernel.numbers import show
+from rwmf.kernel.numbers import Array, Wholes, show
 from rwmf.motion.record_sets import RecordFile, decimal_point, find_records, separator_of
 from rwmf.sweeps.axes import (
     NUMBERS,
@@ -60,7 +60,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
 
 def read_csv(
     path: Path, is_number: Callable[[str], bool]
-) -> tuple[dict[str, npt.NDArray[np.generic]], npt.NDArray[np.int64]]:
+) -> tuple[dict[str, npt.NDArray[np.generic]], Wholes]:
     """Read a CSV file: a line of names, then one line per row."""
     _check(path)
     try:
@@ -86,7 +86,7 @@ def _is_comment(line: str) -> bool:
 
 def _read_rows(
     path: Path, file: Iterator[str], is_number: Callable[[str], bool]
-) -> tuple[dict[str, npt.NDArray[np.generic]], npt.NDArray[np.int64]]:
+) -> tuple[dict[str, npt.NDArray[np.generic]], Wholes]:
     numbered = enumerate(file, 1)
     at, head = next((item for item in numbered if not _is_comment(item[1])), (0, ""))
     if not head:
@@ -101,7 +101,7 @@ def _read_rows(
         raise InputError(f"{path}, line {at}: has numbers instead of the names of the columns")
     numeric = [is_number(name) for name in names]
     lines = _rows(numbered, mark, len(names), is_text=not numeric[0])
-    numbers: list[npt.NDArray[np.int64]] = []
+    numbers: list[Wholes] = []
     parts: list[list[npt.NDArray[np.generic]]] = [[] for _ in names]
     while block := list(islice(lines, _ROWS)):
         for number, cells in block:
@@ -156,9 +156,7 @@ def _is_float(word: str) -> bool:
     return True
 
 
-def _numbers(
-    cells: list[str], lines: npt.NDArray[np.int64], where: str, name: str
-) -> npt.NDArray[np.float64]:
+def _numbers(cells: list[str], lines: Wholes, where: str, name: str) -> Array:
     try:
         return np.array(cells, dtype=np.float64)
     except ValueError:
@@ -179,7 +177,6 @@ _FORMS = (
     "the path of a CSV or NetCDF file"
 )
 Column = npt.NDArray[Any]
-Places = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -201,7 +198,7 @@ class _Columns:
     values: dict[str, Column]
     source: str = "points"
     folder: Path = Path()
-    lines: Places | None = None
+    lines: Wholes | None = None
 
     def where(self, position: int) -> str:
         """Describe the position of a row."""
@@ -223,7 +220,7 @@ def point_axis(
     )
     numbers = {name: values for name, values in named.items() if _is_number(name, table.source)}
     columns = {name: take_numbers(name, values, table.where) for name, values in numbers.items()}
-    texts: dict[str, tuple[Places, Sequence[Any]]] = {}
+    texts: dict[str, tuple[Wholes, Sequence[Any]]] = {}
     if words:
         codes, values = _codes(table.values[words[0]])
         records, which = _find_records(codes, values, table, pool, unit, dt)
@@ -347,7 +344,7 @@ def _is_number(name: str, source: str) -> bool:
     return is_number(name) or kind_of(name) == "real list"
 
 
-def _codes(column: Column) -> tuple[Places, list[Any]]:
+def _codes(column: Column) -> tuple[Wholes, list[Any]]:
     """Find the distinct values, and the index of each row's value."""
     if column.dtype.kind == "U":
         different, which = np.unique(column, return_inverse=True)
@@ -364,7 +361,7 @@ def _codes(column: Column) -> tuple[Places, list[Any]]:
     return np.array(codes), list(values.values())
 
 
-def _settings(name: str, table: _Columns, column: Column) -> tuple[Places, list[Any]]:
+def _settings(name: str, table: _Columns, column: Column) -> tuple[Wholes, list[Any]]:
     """Find the texts of a column, or its numbers that define scenes."""
     is_text = kind_of(name) not in NUMBERS
     if not is_text:
@@ -379,7 +376,7 @@ def _settings(name: str, table: _Columns, column: Column) -> tuple[Places, list[
 
 
 def _make_scenes(
-    texts: Mapping[str, tuple[Places, Sequence[Any]]], n: int
+    texts: Mapping[str, tuple[Wholes, Sequence[Any]]], n: int
 ) -> tuple[tuple[Scene, ...], npt.NDArray[np.uint32]]:
     """Combine records and texts into scenes, in the order of their first rows."""
     combined = np.zeros(n, dtype=np.int64)
@@ -413,13 +410,13 @@ def _settings_of(name: str, scenes: Sequence[Scene]) -> tuple[Value, ...]:
 
 
 def _find_records(
-    codes: Places,
+    codes: Wholes,
     words: list[Any],
     table: _Columns,
     pool: Sequence[RecordFile],
     unit: str | None,
     dt: float | None,
-) -> tuple[tuple[RecordFile, ...], Places]:
+) -> tuple[tuple[RecordFile, ...], Wholes]:
     """Find the records that a column names, and the record of each of its words."""
     found: dict[RecordFile, int] = {record: i for i, record in enumerate(pool)}
     names = {record.name: record for record in pool}

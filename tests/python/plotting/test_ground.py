@@ -25,9 +25,7 @@ def test_spectrum_is_that_of_the_kernel(damping: float, unit: str) -> None:
     for item in (motion, rwmf.simulate(case, dt=0.02)):
         over_time, over_period = rwmf.plot.ground_motion(item, T_s=PERIODS, damping=damping)
         drawn = over_period.lines[0].get_ydata()
-        # peaks lie between the twentieths of the shortest period
-        assert drawn == pytest.approx(expected, rel=2e-2)
-        assert drawn[3:] == pytest.approx(expected[3:], rel=1e-4)
+        assert drawn == pytest.approx(expected, rel=1e-7)
         assert over_time.lines[0].get_ydata()[:400] == pytest.approx(factor * values, abs=1e-12)
         assert f"peak {np.abs(values).max() * factor / 9.81:.3g} g" in over_time.get_title()
 
