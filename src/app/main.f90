@@ -194,9 +194,18 @@ contains
       type(error_t), allocatable :: error
       character(warning_length), allocatable :: told(:)
       !! warnings already printed
+      character(11), parameter :: names(3) = ['limits     ', 'sensitivity', 'design     ']
+      character(:), allocatable :: given
+      integer :: i
 
       allocate (told(0))
-      call report_groups(path, case)
+      ! print a note on groups that the command `rwmf` evaluates
+      given = ''
+      do i = 1, size(names)
+         if (has_group(case%values, trim(names(i)))) given = given//', &'//trim(names(i))
+      end do
+      if (given /= '') call complain(path//': note: '//given(3:) &
+         //': evaluated by the command rwmf only')
       if (has_period(case) .and. command_line%parts == 1) then
          call run_simulation(case, path, command_line%folder, control, told, status, error)
       end if
@@ -242,11 +251,20 @@ contains
       integer, parameter :: all_threads = 0
       type(spectrum_t) :: spectrum
       integer :: failed
+      character(:), allocatable :: name
 
       call compute_spectrum(case, all_threads, spectrum, error, control)
       if (allocated(error)) return
       call report_warnings(path, spectrum%warnings, told)
-      call save_spectrum(case, spectrum, path, command_line, control, error)
+      ! write a spectrum or a part of it
+      call name_output(path, command_line, name)
+      name = join_path(command_line%folder, name//'.spectrum.csv')
+      if (command_line%parts == 1) then
+         call write_spectrum(case, spectrum, name, error, control=control)
+      else
+         call write_spectrum(case, spectrum, name, error, trim(part_name(command_line, '/')), &
+            control)
+      end if
       if (allocated(error)) return
       associate (names => status_of(spectrum))
          failed = count(names /= 'ok' .and. names /= 'overturned' .and. names /= 'collapsed')
@@ -258,26 +276,6 @@ contains
          //trim(integer_to_text(size(spectrum%status))) &
          //' ordinates failed; the spectrum gives their reasons')
    end subroutine run_spectrum
-
-   !> Write a spectrum or a part of it.
-   subroutine save_spectrum(case, spectrum, path, command_line, control, error)
-      type(case_t), intent(in) :: case
-      type(spectrum_t), intent(in) :: spectrum
-      character(*), intent(in) :: path
-      type(command_line_t), intent(in) :: command_line
-      type(control_t), intent(in) :: control
-      type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: name
-
-      call name_output(path, command_line, name)
-      name = join_path(command_line%folder, name//'.spectrum.csv')
-      if (command_line%parts == 1) then
-         call write_spectrum(case, spectrum, name, error, control=control)
-      else
-         call write_spectrum(case, spectrum, name, error, trim(part_name(command_line, '/')), &
-            control)
-      end if
-   end subroutine save_spectrum
 
    !> Print the warnings of a result, each once.
    subroutine report_warnings(path, warnings, told)
@@ -293,22 +291,6 @@ contains
          call complain(path//': warning: '//trim(warnings(i)))
       end do
    end subroutine report_warnings
-
-   !> Print a note on groups that the command `rwmf` evaluates.
-   subroutine report_groups(path, case)
-      character(*), intent(in) :: path
-      type(case_t), intent(in) :: case
-      character(11), parameter :: names(3) = ['limits     ', 'sensitivity', 'design     ']
-      character(:), allocatable :: given
-      integer :: i
-
-      given = ''
-      do i = 1, size(names)
-         if (has_group(case%values, trim(names(i)))) given = given//', &'//trim(names(i))
-      end do
-      if (given /= '') call complain(path//': note: '//given(3:) &
-         //': evaluated by the command rwmf only')
-   end subroutine report_groups
 
    !> Print a line. Results are written even if the standard output is closed.
    subroutine say(line, status)

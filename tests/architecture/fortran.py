@@ -207,7 +207,7 @@ class Tree:
 
 
 def read_tree(root: Path) -> Tree:
-    """Read all Fortran sources below a folder, and the `use` lines of tables of bindings."""
+    """Read all Fortran sources below a folder, and the `use` lines of tables of modules."""
     macros: dict[Path, dict[str, set[str]]] = {}
     sources = []
     for path in sorted(path for path in root.rglob("*") if path.suffix.lower() == ".f90"):
@@ -218,7 +218,8 @@ def read_tree(root: Path) -> Tree:
         lines = path.read_text(encoding="utf-8").splitlines()
         sources.append(Source(path.relative_to(root), lines, macros[folder]))
     for path in sorted(root.rglob("*.table")):
-        name = "_".join(["rwmf", *path.relative_to(root).with_suffix("").parts])
+        parts = path.relative_to(root).with_suffix("").parts
+        name = "_".join(parts if parts[0] == "rwmf" else ("rwmf", *parts))
         uses = re.findall(r"^use (?:.*&\n)*.*", path.read_text(encoding="utf-8"), re.MULTILINE)
         lines = "\n".join([f"module {name}", *uses, f"end module {name}"]).splitlines()
         sources.append(Source(path.relative_to(root).with_suffix(".f90"), lines, {}))

@@ -99,7 +99,21 @@ contains
       if (allocated(error)) return
       call cpu_time(measured%seconds)
       measured%seconds = measured%seconds - started
-      call take_result(trial, result, measured)
+      associate (values => measured%values)
+         values([at_u_s_max, at_t_u_s_max, at_theta_dot_max]) = value_of(result%values, &
+            [id%u_s_max_m, id%t_u_s_max_s, id%theta_dot_max_rad_s], 1)
+         if (allocated(result%theta_max)) values(at_theta_max) = max(result%theta_max, &
+            -result%theta_min)
+         values(at_theta_end) = result%final_state(1)
+         values(at_theta_dot_end) = result%final_state(2)
+         values(at_t_end) = result%t_end
+         if (trial%solver%accuracy_of /= '') values(at_peak) = peak_of(trial, result)
+      end associate
+      measured%impact_times = pack(result%events%t, result%events%kind == event_impact)
+      if (.not. result%has_impacts) measured%impact_times = [real(wp) ::]
+      measured%steps = result%steps
+      measured%rhs_evaluations = result%rhs_evaluations
+      measured%overturned = result%overturned
       trial = plain_case(case, method, rtol)
       spent = measured%seconds
       if (.not. budget > 0) return
@@ -155,28 +169,6 @@ contains
       if (allocated(plain%output)) deallocate (plain%output)
       call ask_for_peak(plain)
    end function plain_case
-
-   subroutine take_result(case, result, measured)
-      type(case_t), intent(in) :: case
-      type(result_t), intent(in) :: result
-      type(timed_run_t), intent(inout) :: measured
-
-      associate (values => measured%values)
-         values([at_u_s_max, at_t_u_s_max, at_theta_dot_max]) = value_of(result%values, &
-            [id%u_s_max_m, id%t_u_s_max_s, id%theta_dot_max_rad_s], 1)
-         if (allocated(result%theta_max)) values(at_theta_max) = max(result%theta_max, &
-            -result%theta_min)
-         values(at_theta_end) = result%final_state(1)
-         values(at_theta_dot_end) = result%final_state(2)
-         values(at_t_end) = result%t_end
-         if (case%solver%accuracy_of /= '') values(at_peak) = peak_of(case, result)
-      end associate
-      measured%impact_times = pack(result%events%t, result%events%kind == event_impact)
-      if (.not. result%has_impacts) measured%impact_times = [real(wp) ::]
-      measured%steps = result%steps
-      measured%rhs_evaluations = result%rhs_evaluations
-      measured%overturned = result%overturned
-   end subroutine take_result
 
    !> Copy a measurement into a caller's arrays in double precision, up to their sizes.
    pure subroutine put_measured(measured, values, counts, impact_times)

@@ -105,6 +105,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: wall_alone
       type(motion_t), target :: none
+      integer :: i, j
 
       if (.not. allocated(case%wall)) then
          call fail(error, err_input, 'a member needs the group &wall')
@@ -123,20 +124,7 @@ contains
       member%m_w = 1
       if (allocated(case%wall%m_w)) member%m_w = case%wall%m_w
       member%largest_angle = case%model%overturning_angle
-      call set_links(member, case)
-      call set_impacts(member, case)
-      if (.not. member%equation%has_impacts) member%tried%side = 1
-      member%first_state = member%equation%state
-      member%committed_state = member%first_state
-      member%committed = member%tried
-   end subroutine create_member
-
-   !> Set the links to the frame of the host: one at the top, or one for each floor.
-   subroutine set_links(member, case)
-      type(wall_member_t), intent(inout) :: member
-      type(case_t), intent(in) :: case
-      integer :: i, j
-
+      ! set the links to the frame of the host: one at the top, or one for each floor
       call list_links(case, member%share, member%k_link, member%frame_mass)
       member%frame_mass = member%m_w*member%frame_mass
       member%n = 1 + member%equation%beam%n
@@ -150,16 +138,14 @@ contains
             member%phi(i, j) = deflection(member%equation%beam%modes(j), member%share(i))
          end do
       end do
-   end subroutine set_links
-
-   !> Set the rule of impacts.
-   subroutine set_impacts(member, case)
-      type(wall_member_t), intent(inout) :: member
-      type(case_t), intent(in) :: case
-
+      ! set the rule of impacts
       member%restitution = impact_law(case, member%equation%p%alpha)
       member%balances = case%impact%rule == 'coupled'
-   end subroutine set_impacts
+      if (.not. member%equation%has_impacts) member%tried%side = 1
+      member%first_state = member%equation%state
+      member%committed_state = member%first_state
+      member%committed = member%tried
+   end subroutine create_member
 
    !> Return sizes and committed state.
    subroutine query_member(member, info, error)
@@ -242,7 +228,16 @@ contains
          return
       end if
       call revert_member(member, error)
-      call put_on_base(member, side)
+      ! move the tried state of a wall near its base to u = 0 and to a side
+      associate (model => member%equation%model_t, state => member%equation%state)
+         if (member%tried%side /= 0) then
+            call follow_path(member%equation, state, member%tried%theta, 0.0_wp, -member%tried%side)
+            call turn_back(model, state, 0.0_wp, goes_on=side /= 0)
+         end if
+         if (side /= 0) call enter_side(model, state, side)
+         call renew_window(model, state)
+      end associate
+      member%tried = place_t(side)
       call commit_member(member, error)
    end subroutine place_member
 
@@ -264,24 +259,6 @@ contains
             //trim(real_to_text(near*member%equation%p%R))//' m')
       end if
    end subroutine require_on_base
-
-   !> Move the tried state of a wall near its base to u = 0 and to a side.
-   subroutine put_on_base(member, side)
-      type(wall_member_t), intent(inout) :: member
-      integer, intent(in) :: side
-      !! +1, -1 or 0
-
-      associate (model => member%equation%model_t, state => member%equation%state)
-         if (member%tried%side /= 0) then
-            call follow_path(member%equation, state, member%tried%theta, 0.0_wp, &
-               -member%tried%side)
-            call turn_back(model, state, 0.0_wp, goes_on=side /= 0)
-         end if
-         if (side /= 0) call enter_side(model, state, side)
-         call renew_window(model, state)
-      end associate
-      member%tried = place_t(side)
-   end subroutine put_on_base
 
    !> Follow the branches of the springs from one rotation to another on the present side. A branch
    !> that ends at the final rotation is left: the next one holds from there on.

@@ -94,6 +94,8 @@ contains
       !! compute the tangents; default true
       type(discrete_state_t) :: state
       type(place_t) :: place
+      integer, allocatable :: fuses(:)
+      integer :: i
 
       call require_member(member, error)
       call require_motion(member, motion, error)
@@ -105,7 +107,21 @@ contains
       if (allocated(error)) return
       member%tried = place
       member%equation%state = state
-      call fill_devices(member, response)
+      ! fill in the forces of cable and fuses in the tried state
+      associate (equation => member%equation)
+         if (equation%has_cable) then
+            response%cable = member%m_w*equation%p%g*cable_force_at(equation, response%theta, &
+               equation%state%side)
+         end if
+         if (.not. allocated(equation%elements)) return
+         fuses = pack([(i, i=1, size(equation%elements))], equation%elements%group == of_fuse)
+         response%fuses(:) = 0
+         do i = 1, min(size(fuses), 2)
+            response%fuses(i) = member%m_w*element_force(equation%elements(fuses(i)), &
+               equation%state%springs, equation%state%side, equation%state%side*response%theta, &
+               0.0_wp)
+         end do
+      end associate
    end subroutine respond_member
 
    !> Compute forces and tangents on the path from a place, without the forces of cable and fuses.
@@ -126,11 +142,19 @@ contains
       !! compute the tangents; default true
       type(pose_t) :: pose
       logical :: is_complete
+      integer :: direction
+      real(wp) :: way
 
       call find_pose(member, place, state, motion, ground, pose, error)
       if (allocated(error)) return
-      if (.not. pose%rests) call follow_path(member%equation, state, place%theta, &
-         pose%side*pose%z(0, 0), direction_of(place, pose))
+      ! sign of the path from a rotation, or of theta' where there is no path
+      if (.not. pose%rests) then
+         way = pose%side*pose%z(0, 0) - place%theta
+         if (.not. abs(way) > 0) way = pose%side*pose%z(0, 1)
+         direction = 0
+         if (abs(way) > 0) direction = int(sign(1.0_wp, way))
+         call follow_path(member%equation, state, place%theta, pose%side*pose%z(0, 0), direction)
+      end if
       is_complete = .true.
       if (present(has_tangents)) is_complete = has_tangents
       call fill_response(member, state, pose, is_complete, response)
@@ -215,18 +239,6 @@ contains
       end associate
    end subroutine find_pose
 
-   !> Sign of the path from a rotation, or of theta' where there is no path.
-   pure integer function direction_of(place, pose) result(direction)
-      type(place_t), intent(in) :: place
-      type(pose_t), intent(in) :: pose
-      real(wp) :: way
-
-      way = pose%side*pose%z(0, 0) - place%theta
-      if (.not. abs(way) > 0) way = pose%side*pose%z(0, 1)
-      direction = 0
-      if (abs(way) > 0) direction = int(sign(1.0_wp, way))
-   end function direction_of
-
    !> Compute forces and tangents of the wall, without link springs.
    subroutine fill_response(member, state, pose, has_tangents, response)
       type(wall_member_t), intent(in) :: member
@@ -247,25 +259,21 @@ contains
       if (has_tangents) call fill_tangents(member, state, pose, unit, mass, response)
       if (pose%rests) then
          response%force(1) = 0
-         if (has_tangents) call clear_first(response)
+         ! set row and column of u to zero
+         if (has_tangents) then
+            response%stiffness(1, :) = 0
+            response%stiffness(:, 1) = 0
+            response%damping(1, :) = 0
+            response%damping(:, 1) = 0
+            response%mass(1, :) = 0
+            response%mass(:, 1) = 0
+         end if
       else
          response%theta = pose%side*pose%z(0, 0)
          response%theta_dot = pose%side*pose%z(0, 1)
          response%theta_ddot = pose%side*pose%z(0, 2)
       end if
    end subroutine fill_response
-
-   !> Set row and column of u to zero.
-   pure subroutine clear_first(response)
-      type(member_response_t), intent(inout) :: response
-
-      response%stiffness(1, :) = 0
-      response%stiffness(:, 1) = 0
-      response%damping(1, :) = 0
-      response%damping(:, 1) = 0
-      response%mass(1, :) = 0
-      response%mass(:, 1) = 0
-   end subroutine clear_first
 
    !> Compute the balance of moments over m_w R**2 and the forces of the modes over m_w, for phi and
    !> q~, with their derivatives by phi'' and q~''.
@@ -422,6 +430,7 @@ contains
       !! second derivatives of the links' displacements: by u twice per w [1/m2]; by u and q_i per
       !! phi_i [1/m]
       integer :: i, j, n, first
+      real(wp) :: theta, per_u, per_u_1
 
       if (.not. allocated(member%k_link)) return
       n = member%equation%beam%n
@@ -444,7 +453,13 @@ contains
             end do
          end do
          if (pose%rests .or. n == 0) return
-         bend = bend_of(member, pose)
+         ! second derivatives of cos(theta) w by u and w: twice by u, per w; and by both
+         theta = pose%side*pose%z(0, 0)
+         associate (R => member%equation%p%R, kin => pose%kin)
+            per_u = 1/(R*kin%j)
+            per_u_1 = -pose%side*kin%k/(R**2*kin%j**3)
+            bend = [-(cos(theta)*per_u**2 + sin(theta)*per_u_1), -sin(theta)*per_u]
+         end associate
          w = matmul(member%phi, motion(2:n + 1, 1))
          response%stiffness(1, 1) = response%stiffness(1, 1) + bend(1)*sum(pull*w)
          do i = 1, n
@@ -455,21 +470,6 @@ contains
          end do
       end associate
    end subroutine add_link_springs
-
-   !> Second derivatives of cos(theta) w by u and w: twice by u, per w; and by both.
-   pure function bend_of(member, pose) result(bend)
-      type(wall_member_t), intent(in) :: member
-      type(pose_t), intent(in) :: pose
-      real(wp) :: bend(2)
-      real(wp) :: theta, per_u, per_u_1
-
-      theta = pose%side*pose%z(0, 0)
-      associate (R => member%equation%p%R, kin => pose%kin)
-         per_u = 1/(R*kin%j)
-         per_u_1 = -pose%side*kin%k/(R**2*kin%j**3)
-         bend = [-(cos(theta)*per_u**2 + sin(theta)*per_u_1), -sin(theta)*per_u]
-      end associate
-   end function bend_of
 
    !> Return motion of the wall at its links, with its derivatives by the degrees of freedom.
    !>
@@ -520,29 +520,6 @@ contains
          end do
       end associate
    end subroutine find_links
-
-   !> Fill in the forces of cable and fuses in the tried state.
-   subroutine fill_devices(member, response)
-      type(wall_member_t), intent(in) :: member
-      type(member_response_t), intent(inout) :: response
-      integer, allocatable :: fuses(:)
-      integer :: i
-
-      associate (equation => member%equation)
-         if (equation%has_cable) then
-            response%cable = member%m_w*equation%p%g*cable_force_at(equation, response%theta, &
-               equation%state%side)
-         end if
-         if (.not. allocated(equation%elements)) return
-         fuses = pack([(i, i=1, size(equation%elements))], equation%elements%group == of_fuse)
-         response%fuses(:) = 0
-         do i = 1, min(size(fuses), 2)
-            response%fuses(i) = member%m_w*element_force(equation%elements(fuses(i)), &
-               equation%state%springs, equation%state%side, equation%state%side*response%theta, &
-               0.0_wp)
-         end do
-      end associate
-   end subroutine fill_devices
 
    !> True if all forces and tangents are finite.
    pure logical function all_finite(response)

@@ -237,7 +237,15 @@ contains
       call convert_units(changed%values, changes%groups, error)
       if (.not. allocated(error)) call check_values(changed%values, changes%groups, error)
       if (.not. allocated(error)) call fill_case(changed, changes%groups, error)
-      if (.not. allocated(error)) call keep_records(case, changed, error)
+      ! copy the records without their samples, and update their factors
+      if (.not. allocated(error)) then
+         if (allocated(case%record)) call keep_record(case%motion%path, case%record, &
+            changed%model%g, changed%motion, changed%record, error)
+         if (allocated(error)) return
+         if (allocated(case%upward_record)) call keep_record(case%upward%path, case%upward_record, &
+            changed%model%g, changed%upward, changed%upward_record, error)
+         if (.not. allocated(error)) call end_with_records(changed, error)
+      end if
    end subroutine change_case
 
    !> Check the numbers of a key. Allowed values form an interval, so the extremes suffice.
@@ -261,20 +269,6 @@ contains
       is_motion_changed = any(sets_motion(changes%keys%group) &
          .or. (changes%keys%group == 'model' .and. changes%keys%key == 'g'))
    end function is_motion_changed
-
-   !> Copy the records without their samples, and update their factors.
-   subroutine keep_records(case, changed, error)
-      type(case_t), intent(in) :: case
-      type(case_t), intent(inout) :: changed
-      type(error_t), allocatable, intent(out) :: error
-
-      if (allocated(case%record)) call keep_record(case%motion%path, case%record, &
-         changed%model%g, changed%motion, changed%record, error)
-      if (allocated(error)) return
-      if (allocated(case%upward_record)) call keep_record(case%upward%path, &
-         case%upward_record, changed%model%g, changed%upward, changed%upward_record, error)
-      if (.not. allocated(error)) call end_with_records(changed, error)
-   end subroutine keep_records
 
    subroutine keep_record(path, record, g, source, kept, error)
       character(*), intent(in) :: path

@@ -221,11 +221,15 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: at
       integer :: i
+      character(:), allocatable :: known
 
       do i = 1, size(group%entries)
          at = key_place(values, group%name, group%entries(i)%key)
          if (at == 0) then
-            call fail_unknown_key(group, group%entries(i), keys, error)
+            ! report a key that the group does not have
+            call suggest(group%entries(i)%key, '', pack(keys%key, keys%group == group%name), known)
+            call fail_at_entry(group, group%entries(i), shown(group%entries(i)%key), 'unknown key' &
+               //known, error)
          else if (values%keys(at)%is_given) then
             call fail_at_entry(group, group%entries(i), trim(keys(at)%key), &
                'the key is given twice', error)
@@ -245,18 +249,6 @@ contains
          return
       end do
    end subroutine enter_entries
-
-   !> Report a key that the group does not have.
-   subroutine fail_unknown_key(group, entry, keys, error)
-      type(group_t), intent(in) :: group
-      type(entry_t), intent(in) :: entry
-      type(key_t), intent(in) :: keys(:)
-      type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: known
-
-      call suggest(entry%key, '', pack(keys%key, keys%group == group%name), known)
-      call fail_at_entry(group, entry, shown(entry%key), 'unknown key'//known, error)
-   end subroutine fail_unknown_key
 
    !> Check number, type and range of the values of a key, and keep them.
    subroutine enter_values(group, entry, key, values, at, n, error)

@@ -32,7 +32,9 @@ contains
       number = 0
       select case (key%type)
       case ('choice')
-         if (is_quoted) ok = is_choice(trim(key%allowed)//' '//trim(key%former), value)
+         ! one of the names, in upper or lower case
+         if (is_quoted) ok = len_trim(value) > 0 .and. scan(trim(value), ' ') == 0 .and. index(' ' &
+            //trim(key%allowed)//' '//trim(key%former)//' ', ' '//to_lower(trim(value))//' ') > 0
       case ('text', 'text list')
          ok = is_quoted .and. len_trim(value) > 0
       case ('logical')
@@ -166,16 +168,6 @@ contains
          end if
       end do
    end function quoted_choices
-
-   !> True if the value is one of the names, in upper or lower case.
-   pure logical function is_choice(names, value)
-      character(*), intent(in) :: names
-      !! names separated by blanks
-      character(*), intent(in) :: value
-
-      is_choice = len_trim(value) > 0 .and. scan(trim(value), ' ') == 0 &
-         .and. index(' '//names//' ', ' '//to_lower(trim(value))//' ') > 0
-   end function is_choice
 
    !> Read a logical value such as `.true.` or `T`.
    pure subroutine parse_logical(text, value, ok)

@@ -83,6 +83,9 @@ contains
       type(record_t), intent(in), optional :: record
       type(record_t), intent(in), optional :: upward_record
       type(motion_t) :: motion
+      type(lines_t) :: lines
+      real(wp), allocatable :: own(:)
+      !! knots of the pulse [s]
 
       motion = horizontal_motion(case, record)
       if (allocated(case%upward)) then
@@ -92,38 +95,23 @@ contains
       motion%upward = lines_through(upward_record%t, &
          case%upward_record%factor*upward_record%a)
       if (motion%shape == shape_linear) then
-         call join_lines(motion)
+         ! merge the knots of both motions, each of straight lines
+         lines = lines_t(motion%knot, motion%a, motion%slope)
+         lines = on_knots(lines, merged_times(lines%knot, motion%upward%knot))
+         motion%upward = on_knots(motion%upward, lines%knot)
+         motion%knot = lines%knot
+         motion%a = lines%a
+         motion%slope = lines%slope
       else
-         call join_curve(motion)
+         ! merge the knots of a pulse with those of the straight lines of the vertical motion
+         own = knots_with_bends(motion%curve)
+         motion%knot = merged_times(own, motion%upward%knot)
+         motion%upward = on_knots(motion%upward, motion%knot)
+         motion%curve%first = last_until(motion%knot, own(1))
+         motion%curve%last = last_until(motion%knot, own(size(own)))
+         motion%last_turning = motion%curve%last - 1
       end if
    end function built_motion
-
-   !> Merge the knots of both motions, each of straight lines.
-   pure subroutine join_lines(motion)
-      type(motion_t), intent(inout) :: motion
-      type(lines_t) :: lines
-
-      lines = lines_t(motion%knot, motion%a, motion%slope)
-      lines = on_knots(lines, merged_times(lines%knot, motion%upward%knot))
-      motion%upward = on_knots(motion%upward, lines%knot)
-      motion%knot = lines%knot
-      motion%a = lines%a
-      motion%slope = lines%slope
-   end subroutine join_lines
-
-   !> Merge the knots of a pulse with those of the straight lines of the vertical motion.
-   pure subroutine join_curve(motion)
-      type(motion_t), intent(inout) :: motion
-      real(wp), allocatable :: own(:)
-      !! knots of the pulse [s]
-
-      own = knots_with_bends(motion%curve)
-      motion%knot = merged_times(own, motion%upward%knot)
-      motion%upward = on_knots(motion%upward, motion%knot)
-      motion%curve%first = last_until(motion%knot, own(1))
-      motion%curve%last = last_until(motion%knot, own(size(own)))
-      motion%last_turning = motion%curve%last - 1
-   end subroutine join_curve
 
    !> Build the horizontal ground motion of a case; no motion without `&motion`.
    pure function horizontal_motion(case, record) result(motion)

@@ -281,7 +281,17 @@ contains
       integer :: i
       integer :: n
 
-      x = all_cuts(pulse)
+      ! positions of the beginning, extrema, zeros and end; some may coincide
+      select case (pulse%shape)
+      case (shape_ricker)
+         x = [-sqrt(3.0_wp), -1.0_wp, 0.0_wp, 1.0_wp, sqrt(3.0_wp)]
+      case (shape_ricker_antisymmetric)
+         x = [hermite_4(1), -sqrt(3.0_wp), hermite_4(2), 0.0_wp, hermite_4(3), sqrt(3.0_wp), &
+            hermite_4(4)]
+      case default
+         x = cycles_cuts(pulse)
+      end select
+      x = [-pulse%half, x, pulse%half]
       if (has_bends) x = [x(1), sorted([x(2:size(x) - 1), bends(pulse)]), x(size(x))]
       least = max(sqrt(epsilon(1.0_wp)), 16*pulse%rate*spacing(abs(pulse%centre) &
          + pulse%half/pulse%rate))
@@ -294,28 +304,12 @@ contains
       t = pulse%centre + [x(:n), pulse%half]/pulse%rate
    end function cut_times
 
-   !> Positions of the beginning, extrema, zeros and end; some may coincide.
-   pure function all_cuts(pulse) result(x)
-      type(pulse_t), intent(in) :: pulse
-      real(wp), allocatable :: x(:)
-      !! (cuts)
-
-      select case (pulse%shape)
-      case (shape_ricker)
-         x = [-sqrt(3.0_wp), -1.0_wp, 0.0_wp, 1.0_wp, sqrt(3.0_wp)]
-      case (shape_ricker_antisymmetric)
-         x = [hermite_4(1), -sqrt(3.0_wp), hermite_4(2), 0.0_wp, hermite_4(3), sqrt(3.0_wp), &
-            hermite_4(4)]
-      case default
-         x = cycles_cuts(pulse)
-      end select
-      x = [-pulse%half, x, pulse%half]
-   end function all_cuts
-
    !> Positions at which the slope is extremal.
    pure function bends(pulse) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), allocatable :: x(:)
+      real(wp) :: part
+      integer :: first, last, k
 
       select case (pulse%shape)
       case (shape_ricker)
@@ -324,30 +318,19 @@ contains
          ! x = 0 is already a cut
          x = hermite_5
       case default
-         x = bends_of_cycles(pulse)
+         ! Positions of extremal slope of a pulse of Mavroeidis and Papageorgiou. Its second
+         ! derivative is the imaginary part of the expression in `cycles_cuts`, with p = 1 +
+         ! 3/gamma**2, q = (3 + 1/gamma**2)/gamma.
+         part = 1/pulse%gamma
+         ! phase at the ends: nu -+ (half + pi); a root at an end is the end itself
+         first = ceiling((pulse%nu - pulse%half)/pi) - 1
+         last = floor((pulse%nu + pulse%half)/pi) + 1
+         allocate (x(last - first + 1))
+         do k = first, last
+            x(k - first + 1) = phase_place(pulse, 1 + 3*part**2, (3 + part**2)*part, k*pi)
+         end do
       end select
    end function bends
-
-   !> Positions of extremal slope of a pulse of Mavroeidis and Papageorgiou. Its second derivative
-   !> is the imaginary part of the expression in `cycles_cuts`, with p = 1 + 3/gamma**2, q = (3 +
-   !> 1/gamma**2)/gamma.
-   pure function bends_of_cycles(pulse) result(x)
-      type(pulse_t), intent(in) :: pulse
-      real(wp), allocatable :: x(:)
-      real(wp) :: part
-      integer :: first
-      integer :: last
-      integer :: k
-
-      part = 1/pulse%gamma
-      ! phase at the ends: nu -+ (half + pi); a root at an end is the end itself
-      first = ceiling((pulse%nu - pulse%half)/pi) - 1
-      last = floor((pulse%nu + pulse%half)/pi) + 1
-      allocate (x(last - first + 1))
-      do k = first, last
-         x(k - first + 1) = phase_place(pulse, 1 + 3*part**2, (3 + part**2)*part, k*pi)
-      end do
-   end function bends_of_cycles
 
    !> Sort numbers in ascending order.
    pure function sorted(x) result(y)

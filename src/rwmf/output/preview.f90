@@ -87,6 +87,8 @@ contains
       character(name_length), allocatable :: events(:)
       character(note_length), allocatable :: notes(:)
       integer :: i
+      logical :: is_shared
+      !! the rocking wall has a frame or a tendon
 
       call list_states(case, states)
       call list_events(case, events)
@@ -102,7 +104,17 @@ contains
       end do
       text = text//scalars%room(:scalars%length)//new_line('a')
       if (allocated(result%history)) call append_line('columns', result%history%names, text)
-      call list_notes(case%values, notes)
+      ! list the defaults in use that an earlier version had otherwise, if they affect the results
+      allocate (notes(0))
+      is_shared = has_group(case%values, 'frame') .or. has_group(case%values, 'cable')
+      if (has_group(case%values, 'wall') .and. is_shared .and. text_of(case%values, 'wall', &
+         'base') == 'rocking') then
+         call add_note(case%values, 'model', 'formulation', 'exact', "0.2 it was 'published'", &
+            notes)
+      end if
+      if (applies(case%values, 'impact') .and. .not. has_group(case%values, 'impact')) then
+         call add_note(case%values, 'impact', 'rule', 'coupled', "0.8 it was 'none' (e = 1)", notes)
+      end if
       call append_line('notes', notes, text)
    end subroutine compose
 
@@ -159,24 +171,6 @@ contains
             [character(name_length) :: names, found(i)]
       end do
    end subroutine list_events
-
-   !> List the defaults in use that an earlier version had otherwise, if they affect the results.
-   subroutine list_notes(values, notes)
-      type(group_values_t), intent(in) :: values
-      character(note_length), allocatable, intent(out) :: notes(:)
-      logical :: is_shared
-      !! the rocking wall has a frame or a tendon
-
-      allocate (notes(0))
-      is_shared = has_group(values, 'frame') .or. has_group(values, 'cable')
-      if (has_group(values, 'wall') .and. is_shared &
-          .and. text_of(values, 'wall', 'base') == 'rocking') then
-         call add_note(values, 'model', 'formulation', 'exact', "0.2 it was 'published'", notes)
-      end if
-      if (applies(values, 'impact') .and. .not. has_group(values, 'impact')) then
-         call add_note(values, 'impact', 'rule', 'coupled', "0.8 it was 'none' (e = 1)", notes)
-      end if
-   end subroutine list_notes
 
    !> Add a note on a default in use, if an earlier version had another one.
    subroutine add_note(values, group, key, choice, before, notes)

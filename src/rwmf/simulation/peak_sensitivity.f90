@@ -10,7 +10,7 @@ module rwmf_simulation_peak_sensitivity
    use rwmf_problem_quantity_values, only: is_present, numbered, put, value_of, values_t
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
    use rwmf_problem_case, only: case_t, structure_t
-   use rwmf_problem_quantity_table, only: is_peak, key_length, key_of, row_of
+   use rwmf_problem_quantity_table, only: all_quantities, is_peak, key_length, key_of
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_run, only: run_once
    use rwmf_simulation_state_result, only: add_warning, ending_name, result_t
@@ -211,7 +211,7 @@ contains
       associate (here => result%values, there => stronger%values)
          round_off = round_off_of(here, here%ids(:here%n))
          do i = 1, here%n
-            if (.not. is_peak(row_of(here%ids(i)))) cycle
+            if (.not. is_peak(all_quantities(here%ids(i)))) cycle
             found = 1/step
             if (ending_name(result) == ending_name(stronger) .and. is_present(there, here%ids(i), &
                here%levels(i))) found = sensitivity_of(here%numbers(i), value_of(there, &
@@ -240,7 +240,7 @@ contains
       round_off = 0
       do i = 1, values%n
          if (.not. abs(values%numbers(i)) <= huge(round_off)) cycle
-         if (.not. is_peak(row_of(values%ids(i)))) cycle
+         if (.not. is_peak(all_quantities(values%ids(i)))) cycle
          ending = ending_of(key_of(values%ids(i)))
          where (endings == ending) round_off = max(round_off, 100*epsilon(round_off) &
             *abs(values%numbers(i)))

@@ -49,6 +49,7 @@ contains
       type(equation_t), target :: equation
       class(integrator_t), allocatable :: integrator
       integer(i8) :: started, rate
+      integer(i8) :: finished
 
       call check_single_run(case, error)
       if (allocated(error)) return
@@ -71,18 +72,10 @@ contains
       call warn_of_grazing(result)
       call warn_of_chatter(result)
       call warn_of_short_history(case%solver%t_end, result)
-      call measure_time(started, rate, result)
-   end subroutine run_once
-
-   !> Measure the wall-clock time of a run.
-   subroutine measure_time(started, rate, result)
-      integer(i8), intent(in) :: started, rate
-      type(result_t), intent(inout) :: result
-      integer(i8) :: finished
-
+      ! measure the wall-clock time of a run
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
-   end subroutine measure_time
+   end subroutine run_once
 
    !> Integrate with absolute tolerances for an estimated size of the response.
    !>

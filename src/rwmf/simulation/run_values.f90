@@ -42,6 +42,7 @@ contains
       type(recorder_t), intent(inout) :: recorder
       !! complete; without its history on return
       type(result_t), intent(inout) :: result
+      integer :: i
 
       result%impacts = recorder%impacts
       result%lift_offs = recorder%lift_offs
@@ -65,7 +66,16 @@ contains
          end if
          if (allocated(recorder%top)) call put(values, id%tip_deflection_max_m, recorder%top(2))
          if (equation%has_wall) call put_wall(case, equation, hybrid, recorder, values)
-         if (dissipates_hysteretically(equation)) call put_losses(case, equation, hybrid, values)
+         ! put the losses of the tendon, and the rotation in which springs may hold the wall
+         if (dissipates_hysteretically(equation)) then
+            if (has_tendon(case)) then
+               call put(values, id%cable_prestress_loss_over_m_w_g, sum([(prestress_loss(equation, &
+                  equation%elements(i), hybrid%y(1)), i=1, size(case%cable%eta_0))]))
+               call put(values, id%cable_ruptured, broken_tendons(equation%state) > 0)
+            end if
+            if (equation%may_hold) call put(values, id%theta_end_over_alpha, hybrid%y(1) &
+               /equation%p%alpha)
+         end if
          if (has_strength(case)) call put_yielding(case, equation, hybrid, recorder, values)
          if (hybrid%drifts > 0) call put(values, id%collapsed, result%has_collapsed)
          if (result%has_collapsed) call put(values, id%t_collapse_s, hybrid%t)
@@ -134,23 +144,6 @@ contains
          recorder%theta_min, -1), cable_force_at(equation, min(0.0_wp, recorder%theta_max), -1))
       increment = increment - equation%p%eta_0
    end function largest_increment
-
-   !> Put the losses of the tendon, and the rotation in which springs may hold the wall.
-   subroutine put_losses(case, equation, hybrid, values)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
-      type(hybrid_t), intent(in) :: hybrid
-      type(values_t), intent(inout) :: values
-      integer :: i
-
-      if (has_tendon(case)) then
-         call put(values, id%cable_prestress_loss_over_m_w_g, sum([(prestress_loss(equation, &
-            equation%elements(i), hybrid%y(1)), i=1, size(case%cable%eta_0))]))
-         call put(values, id%cable_ruptured, broken_tendons(equation%state) > 0)
-      end if
-      if (equation%may_hold) call put(values, id%theta_end_over_alpha, hybrid%y(1) &
-         /equation%p%alpha)
-   end subroutine put_losses
 
    !> Put ductilities and residual displacements of a frame that yields.
    !>

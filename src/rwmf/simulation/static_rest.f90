@@ -92,7 +92,10 @@ contains
 
       path%state = state
       path%y = y
-      call list_smooth(model, path%z)
+      ! list the indices of the states of smooth springs
+      allocate (path%z(0))
+      if (model%has_loading_direction) path%z = [model%hysteresis%place]
+      if (allocated(model%floors%laws)) path%z = model%floors%laws%place
       path%is_held = model%has_impacts .and. abs(y(1)) <= 0
       call free_positions(model, path)
       largest = 0
@@ -100,7 +103,9 @@ contains
       do i = 1, most_pieces
          call find_change(model, path, change)
          if (takes_too_long(path)) return
-         largest = max(largest, maxval(abs(lengths(model, path))))
+         ! displacements of all positions, free or held [m]
+         largest = max(largest, maxval(abs([frame_travel(model)*path%y(1), path%y(path%q) &
+            *unit_lengths(model, path)])))
          if (all(abs(change*unit_lengths(model, path)) <= still*largest)) then
             lifts = .false.
             if (path%is_held) call lift_wall(model, path, lifts)
@@ -116,16 +121,6 @@ contains
       state = path%state
       y = path%y
    end subroutine come_to_rest
-
-   !> List the indices of the states of smooth springs.
-   pure subroutine list_smooth(model, z)
-      type(model_t), intent(in) :: model
-      integer, allocatable, intent(out) :: z(:)
-
-      allocate (z(0))
-      if (model%has_loading_direction) z = [model%hysteresis%place]
-      if (allocated(model%floors%laws)) z = model%floors%laws%place
-   end subroutine list_smooth
 
    !> List the free positions: the wall or the bare frame, the floors with states, and the modes of
    !> the wall. Set their velocities to zero.
@@ -160,15 +155,6 @@ contains
       unit = 1
       where (path%q == 1) unit = frame_travel(model)
    end function unit_lengths
-
-   !> Displacements of all positions, free or held [m].
-   pure function lengths(model, path) result(u)
-      type(model_t), intent(in) :: model
-      type(path_t), intent(in) :: path
-      real(wp) :: u(size(path%q) + 1)
-
-      u = [frame_travel(model)*path%y(1), path%y(path%q)*unit_lengths(model, path)]
-   end function lengths
 
    !> Rates of a state without ground motion.
    subroutine rates_of(model, path, y, rates)

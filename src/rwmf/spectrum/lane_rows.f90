@@ -285,6 +285,8 @@ contains
       type(lane_state_t), intent(inout) :: lane
       type(error_t), allocatable :: error
       integer :: number
+      logical :: is_of_kind
+      type(kind_t) :: own
 
       run%ordinate = 0
       do
@@ -302,7 +304,14 @@ contains
          end if
          run%ordinate = number
          if (.not. allocated(kind)) kind = kind_of(queue%request, run)
-         if (is_of_kind(queue%request, run, kind)) return
+         ! the run can step in a batch of this kind
+         own = kind_of(queue%request, run)
+         is_of_kind = is_same_scene(own%scene, kind%scene) .and. (own%has_vertical .eqv. &
+            kind%has_vertical) .and. (own%has_loading_direction .eqv. kind%has_loading_direction) &
+            .and. (own%is_pulse .eqv. kind%is_pulse) .and. own%place == kind%place &
+            .and. own%stages == kind%stages .and. own%order == kind%order .and. own%max_steps &
+            == kind%max_steps .and. abs(own%t_end - kind%t_end) <= 0
+         if (is_of_kind) return
          call run_alone(queue, control, run, lane, ordinates(number))
          run%ordinate = 0
       end do
@@ -351,45 +360,21 @@ contains
       type(pair_t) :: pair
       integer :: order
 
-      order = order_for(request, run)
+      ! Order of the series for a run; 0 if a pair has to integrate it.
+      !
+      ! Runs at several tolerances and runs that verify others use the pair of the highest order.
+      order = 0
+      if (serves_demands(run%recorder, run%equation) .and. run%case%solver%method /= 'dop853' &
+         .and. run%case%solver%rtol >= 1.0e-11_wp .and. .not. allocated(run%case%solver%accuracy) &
+         .and. is_served(run%equation)) then
+         order = series_order(run%case%solver%rtol)
+      end if
       if (order == 0) pair = pair_for(run%case, run%equation)
       kind = kind_t(run%equation%scene, run%equation%has_vertical, &
          run%equation%has_loading_direction, .not. is_piecewise_linear(run%equation%motion), &
          run%equation%hysteresis%place, pair%stages, order, run%case%solver%max_steps, &
          run%case%solver%t_end)
    end function kind_of
-
-   !> Order of the series for a run; 0 if a pair has to integrate it.
-   !>
-   !> Runs at several tolerances and runs that verify others use the pair of the highest order.
-   integer function order_for(request, run) result(order)
-      type(request_t), intent(in) :: request
-      type(lane_run_t), intent(in) :: run
-
-      order = 0
-      if (serves_demands(run%recorder, run%equation) .and. run%case%solver%method /= 'dop853' &
-          .and. run%case%solver%rtol >= 1.0e-11_wp &
-          .and. .not. allocated(run%case%solver%accuracy) .and. is_served(run%equation)) then
-         order = series_order(run%case%solver%rtol)
-      end if
-   end function order_for
-
-   !> True if a run can step in a batch of this kind.
-   logical function is_of_kind(request, run, kind)
-      type(request_t), intent(in) :: request
-      type(lane_run_t), intent(in) :: run
-      type(kind_t), intent(in) :: kind
-      type(kind_t) :: own
-
-      own = kind_of(request, run)
-      is_of_kind = is_same_scene(own%scene, kind%scene) &
-         .and. (own%has_vertical .eqv. kind%has_vertical) &
-         .and. (own%has_loading_direction .eqv. kind%has_loading_direction) &
-         .and. (own%is_pulse .eqv. kind%is_pulse) &
-         .and. own%place == kind%place .and. own%stages == kind%stages &
-         .and. own%order == kind%order &
-         .and. own%max_steps == kind%max_steps .and. abs(own%t_end - kind%t_end) <= 0
-   end function is_of_kind
 
    !> Run an ordinate in a separate batch of one lane.
    subroutine run_alone(queue, control, run, lane, ordinate)
@@ -464,6 +449,8 @@ contains
       !! error that ended the run
       type(ordinate_t), intent(inout) :: ordinate
       real(wp) :: size_found(2)
+      type(result_t) :: result
+      logical :: are_finite
 
       ordinate%rhs_evaluations = ordinate%rhs_evaluations + run%equation%rhs_evaluations &
          + run%integrator%pair%stages*run%integrator%steps
@@ -483,7 +470,14 @@ contains
             call begin_lane(request, run, error)
             return
          end if
-         if (.not. request%is_displacement) call report(request, run, ordinate)
+         ! compute the requested quantities, as a single run does
+         if (.not. request%is_displacement) then
+            call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
+            if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(request%place)))
+            call take_values(request, result, ordinate%values, are_finite, ordinate%round_off)
+            if (.not. are_finite) ordinate%failure = not_finite
+            if (request%has_peak) ordinate%peak = peak_of(run%case, result)
+         end if
          if (.not. is_finite(ordinate%peak)) ordinate%failure = not_finite
       else
          ordinate%failure = error%name
@@ -492,20 +486,5 @@ contains
       call count_done(control)
       run%ordinate = 0
    end subroutine finish_ordinate
-
-   !> Compute the requested quantities, as a single run does.
-   subroutine report(request, run, ordinate)
-      type(request_t), intent(in) :: request
-      type(lane_run_t), intent(inout) :: run
-      type(ordinate_t), intent(inout) :: ordinate
-      type(result_t) :: result
-      logical :: are_finite
-
-      call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
-      if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(request%place)))
-      call take_values(request, result, ordinate%values, are_finite, ordinate%round_off)
-      if (.not. are_finite) ordinate%failure = not_finite
-      if (request%has_peak) ordinate%peak = peak_of(run%case, result)
-   end subroutine report
 
 end module rwmf_spectrum_lane_rows

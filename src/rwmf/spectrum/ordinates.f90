@@ -235,6 +235,7 @@ contains
       integer(int8), pointer :: codes(:)
       character(24), allocatable :: status(:)
       integer :: first, last, i
+      integer :: place
 
       associate (n => queue%rows%n)
          values(1:n, 1:size(spectrum%quantities)) => spectrum%values
@@ -247,26 +248,18 @@ contains
             call run_block(queue, first, spectrum%threads, control, values(first:last, :), &
                status, spectrum%rhs_evaluations)
             do i = first, last
-               call put_code(status(i - first + 1), spectrum%status_names, codes(i))
+               ! find the index of a status name; append the name if it is new
+               do place = 1, size(spectrum%status_names)
+                  if (spectrum%status_names(place) == status(i - first + 1)) exit
+               end do
+               if (place > size(spectrum%status_names)) spectrum%status_names = &
+                  [spectrum%status_names, status(i - first + 1)]
+               codes(i) = int(place, int8)
             end do
             if (is_cancelled(control)) return
          end do
       end associate
    end subroutine run_rows
-
-   !> Find the index of a status name; append the name if it is new.
-   pure subroutine put_code(name, names, code)
-      character(24), intent(in) :: name
-      character(24), allocatable, intent(inout) :: names(:)
-      integer(int8), intent(out) :: code
-      integer :: place
-
-      do place = 1, size(names)
-         if (names(place) == name) exit
-      end do
-      if (place > size(names)) names = [names, name]
-      code = int(place, int8)
-   end subroutine put_code
 
    !> Compute the rows of a block.
    subroutine run_block(queue, first, threads, control, values, status, evaluations)

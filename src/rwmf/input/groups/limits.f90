@@ -31,6 +31,8 @@ contains
    type(case_group_t) function limits_group() result(group)
       integer, allocatable :: rows(:)
       integer :: i
+      character(104) :: text
+      integer :: braces
 
       group%name = name
       group%is_of_scene = .false.
@@ -38,27 +40,19 @@ contains
       allocate (group%keys(size(rows)))
       do i = 1, size(rows)
          associate (quantity => all_quantities(rows(i)))
-            group%keys(i) = optional_key(name, trim(limit_key(quantity)), &
-               trim(merge('real list', 'real     ', has_levels(quantity))), &
-               trim(merge('-     ', quantity%unit(:6), quantity%unit == '1')), '', positive, &
-               trim(help_of(quantity)))
+            ! meaning of the limit
+            text = quantity%meaning
+            braces = index(text, ' {i}')
+            if (braces > 0) text = text(:braces - 1)//text(braces + 4:)
+            if (braces > 0) text = trim(text)//': one for all, or one each'
+            group%keys(i) = optional_key(name, trim(limit_key(quantity)), trim(merge('real list', &
+               'real     ', has_levels(quantity))), trim(merge('-     ', quantity%unit(:6), &
+               quantity%unit == '1')), '', positive, trim(text))
          end associate
       end do
       group%check => check_limits
       group%fill => fill_limits
    end function limits_group
-
-   !> Meaning of a limit.
-   pure function help_of(quantity) result(text)
-      type(quantity_t), intent(in) :: quantity
-      character(104) :: text
-      integer :: braces
-
-      text = quantity%meaning
-      braces = index(text, ' {i}')
-      if (braces > 0) text = text(:braces - 1)//text(braces + 4:)
-      if (braces > 0) text = trim(text)//': one for all, or one each'
-   end function help_of
 
    !> True for a quantity of every floor or storey.
    elemental logical function has_levels(quantity)
@@ -139,6 +133,7 @@ contains
       !! such as '`strands` or `rupture_strain`'
       integer :: first, length
       logical :: is_named
+      logical :: is_given
 
       first = 1
       is_met = .false.
@@ -148,7 +143,16 @@ contains
          length = index(need(first:), '`') - 1
          associate (word => need(first:first + length - 1))
             is_named = .true.
-            is_met = is_met .or. is_given(values, group, word)
+            ! the case has a group, or a key that is not .false.
+            if (word(:1) == '&') then
+               is_given = applies(values, word(2:))
+            else if (word == 'h_f') then
+               is_given = has_key(values, 'p_delta', word)
+            else
+               is_given = has_key(values, group, word)
+               if (word == 'shear_key') is_given = logical_of(values, group, word)
+            end if
+            is_met = is_met .or. is_given
          end associate
          first = first + length + 1
       end do
@@ -156,30 +160,14 @@ contains
       is_met = is_met .or. .not. is_named
    end function is_met
 
-   !> True if a case has a group, or a key that is not .false.
-   pure logical function is_given(values, group, word)
-      type(group_values_t), intent(in) :: values
-      character(*), intent(in) :: group
-      !! group of a key
-      character(*), intent(in) :: word
-      !! group with '&', or key
-
-      if (word(:1) == '&') then
-         is_given = applies(values, word(2:))
-      else if (word == 'h_f') then
-         is_given = has_key(values, 'p_delta', word)
-      else
-         is_given = has_key(values, group, word)
-         if (word == 'shear_key') is_given = logical_of(values, group, word)
-      end if
-   end function is_given
-
    !> Request the demands of the limits.
    subroutine fill_limits(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
       type(quantity_t), allocatable :: given(:)
       integer :: i
+      real(wp), allocatable :: limits(:)
+      integer :: j, first
 
       allocate (given(0))
       do i = 1, size(all_quantities)
@@ -196,44 +184,29 @@ contains
          end do
       end associate
       do i = 1, size(given)
-         call check_length(case, given(i), error)
+         ! check that a list has one value, or one for each floor or storey
+         if (has_levels(given(i))) then
+            call get_list(case%values, name, trim(limit_key(given(i))), limits)
+            if (size(limits) /= 1 .and. size(limits) /= floor_count(case)) call fail_key( &
+               case%values, name, trim(limit_key(given(i))), &
+               'must have one value, or one for each of '//trim(integer_to_text(floor_count( &
+               case)))//' from the ground up', error)
+         end if
          if (allocated(error)) return
       end do
-      call list_demands(case, given, case%output%limited)
-   end subroutine fill_limits
-
-   !> Check that a list has one value, or one for each floor or storey.
-   subroutine check_length(case, quantity, error)
-      type(case_t), intent(in) :: case
-      type(quantity_t), intent(in) :: quantity
-      type(error_t), allocatable, intent(out) :: error
-      real(wp), allocatable :: limits(:)
-
-      if (.not. has_levels(quantity)) return
-      call get_list(case%values, name, trim(limit_key(quantity)), limits)
-      if (size(limits) /= 1 .and. size(limits) /= floor_count(case)) call fail_key(case%values, &
-         name, trim(limit_key(quantity)), 'must have one value, or one for each of ' &
-         //trim(integer_to_text(floor_count(case)))//' from the ground up', error)
-   end subroutine check_length
-
-   !> List the keys of the limited demands, those of floors and storeys with their numbers.
-   pure subroutine list_demands(case, quantities, keys)
-      type(case_t), intent(in) :: case
-      type(quantity_t), intent(in) :: quantities(:)
-      character(key_length), allocatable, intent(out) :: keys(:)
-      integer :: i, j, first
-
-      allocate (keys(0))
-      do i = 1, size(quantities)
-         if (.not. has_levels(quantities(i))) then
-            keys = [keys, quantities(i)%key]
+      ! list the keys of the limited demands, those of floors and storeys with their numbers
+      allocate (case%output%limited(0))
+      do i = 1, size(given)
+         if (.not. has_levels(given(i))) then
+            case%output%limited = [case%output%limited, given(i)%key]
             cycle
          end if
          first = 1
-         if (index(quantities(i)%key, 'link_') == 1) first = lowest_link(case)
-         keys = [keys, (numbered(quantities(i)%key, j), j=first, floor_count(case))]
+         if (index(given(i)%key, 'link_') == 1) first = lowest_link(case)
+         case%output%limited = [case%output%limited, (numbered(given(i)%key, j), j=first, &
+            floor_count(case))]
       end do
-   end subroutine list_demands
+   end subroutine fill_limits
 
    !> True if `&limits` can have a limit of the quantity: peaks and final values.
    elemental logical function is_limited(quantity)

@@ -51,13 +51,23 @@ contains
    subroutine check_spectrum(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
+      real(wp) :: shortest, longest
 
       if (.not. has_group(values, 'spectrum')) return
       call check_scene(values, error)
       if (.not. allocated(error)) call check_quantities(values, error)
       if (.not. allocated(error)) call check_grid_keys(values, error)
       if (.not. (allocated(error) .or. has_key(values, 'spectrum', 'T_s'))) then
-         call check_grid(values, error)
+         ! check the order of the ends, and that different ends have at least two periods
+         shortest = real_of(values, 'spectrum', 'T_s_min')
+         longest = real_of(values, 'spectrum', 'T_s_max')
+         if (longest < shortest) then
+            call fail_key(values, 'spectrum', 'T_s_max', 'must be >= T_s_min = '//trim( &
+               real_to_text(shortest))//' [s]', error)
+         else if (integer_of(values, 'spectrum', 'n') == 1 .and. longest > shortest) then
+            call fail_key(values, 'spectrum', 'n', 'must be >= 2 when T_s_min and T_s_max differ', &
+               error)
+         end if
       end if
    end subroutine check_spectrum
 
@@ -139,24 +149,6 @@ contains
          if (allocated(error)) return
       end do
    end subroutine check_grid_keys
-
-   !> Check the order of the ends, and that different ends have at least two periods.
-   subroutine check_grid(values, error)
-      type(group_values_t), intent(in) :: values
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: shortest
-      real(wp) :: longest
-
-      shortest = real_of(values, 'spectrum', 'T_s_min')
-      longest = real_of(values, 'spectrum', 'T_s_max')
-      if (longest < shortest) then
-         call fail_key(values, 'spectrum', 'T_s_max', 'must be >= T_s_min = ' &
-            //trim(real_to_text(shortest))//' [s]', error)
-      else if (integer_of(values, 'spectrum', 'n') == 1 .and. longest > shortest) then
-         call fail_key(values, 'spectrum', 'n', 'must be >= 2 when T_s_min and T_s_max differ', &
-            error)
-      end if
-   end subroutine check_grid
 
    subroutine fill_spectrum(case, error)
       type(case_t), intent(inout) :: case

@@ -21,6 +21,7 @@ contains
       !! the whole file
       type(error_t), allocatable, intent(out) :: error
       character(longest_name) :: name
+      character(head) :: line
 
       if (len(bytes) == 0) then
          call fail(error, err_input, 'the file is empty')
@@ -42,7 +43,17 @@ contains
             as_columns//'; '//known_formats)
          return
       end if
-      name = converted_format(bytes)
+      ! name of a format that Python reads as channels, '' for none
+      line = first_line(bytes)
+      name = ''
+      if (index(line, 'event_name:') == 1) name = 'ESM'
+      if (index(line, 'origin time') == 1) name = 'K-NET'
+      if (index(line, '#k-net') == 1 .or. index(line, '#kik-net') == 1) name = 'K-NET CSV'
+      if (index(line, '(format v') > 0 .and. index(line, 'acceleration') > 0) name = 'COSMOS'
+      if (index(line, 'uncorrected accelerogram data') == 1) name = 'CGS'
+      if (index(line, 'corrected accelerogram ') == 1) name = 'CGS'
+      line = to_lower(bytes(:min(len(bytes), head)))
+      if (index(line, 'corrected acceleration ') > 0 .and. index(line, 'unit:') > 0) name = 'CSMNC'
       if (name /= '') call fail(error, err_input, 'the file has the format '//trim(name) &
          //", which the command 'rwmf records convert' writes as columns for &motion")
    end subroutine check_format
@@ -67,24 +78,6 @@ contains
       if (index(bytes, '%PDF') == 1) name = 'a PDF file'
       if (index(bytes, '<') == 1) name = 'an HTML or XML file'
    end function archive
-
-   !> Name of a format that Python reads as channels, '' for none.
-   pure function converted_format(bytes) result(name)
-      character(*), intent(in) :: bytes
-      character(longest_name) :: name
-      character(head) :: line
-
-      line = first_line(bytes)
-      name = ''
-      if (index(line, 'event_name:') == 1) name = 'ESM'
-      if (index(line, 'origin time') == 1) name = 'K-NET'
-      if (index(line, '#k-net') == 1 .or. index(line, '#kik-net') == 1) name = 'K-NET CSV'
-      if (index(line, '(format v') > 0 .and. index(line, 'acceleration') > 0) name = 'COSMOS'
-      if (index(line, 'uncorrected accelerogram data') == 1) name = 'CGS'
-      if (index(line, 'corrected accelerogram ') == 1) name = 'CGS'
-      line = to_lower(bytes(:min(len(bytes), head)))
-      if (index(line, 'corrected acceleration ') > 0 .and. index(line, 'unit:') > 0) name = 'CSMNC'
-   end function converted_format
 
    !> Name of a format that nothing here reads, '' for none.
    pure function unread_format(bytes) result(name)

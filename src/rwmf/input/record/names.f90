@@ -84,6 +84,7 @@ contains
       integer :: first
       integer :: i
       integer :: last
+      character(:), allocatable :: name
 
       text = trim(adjustl(without_quotes(cell)))
       column = column_t(text, '')
@@ -104,7 +105,14 @@ contains
       ! a unit may take the place of the name; 'h' is a direction rather than hours
       if (column%unit_text == '' .and. is_unit(text) .and. plain_text(text) /= 'h') call set_unit( &
          text, text, column)
-      column%quantity = quantity_of(column)
+      ! quantity of a column by its name and unit
+      name = trim(plain_text(column%name))
+      column%quantity = quantity_of_name(name)
+      if (column%quantity == '') column%quantity = column%unit%quantity
+      ! a single letter is the weaker statement
+      if (len(name) == 1 .and. column%unit%quantity /= '' .and. column%quantity /= spectrum) then
+         column%quantity = column%unit%quantity
+      end if
    end function column_of
 
    pure function without_quotes(cell) result(text)
@@ -190,20 +198,6 @@ contains
       unit = unit_of(text)
       unit_quantity = unit%quantity
    end function unit_quantity
-
-   !> Quantity of a column by its name and unit.
-   pure character(12) function quantity_of(column) result(quantity)
-      type(column_t), intent(in) :: column
-      character(:), allocatable :: name
-
-      name = trim(plain_text(column%name))
-      quantity = quantity_of_name(name)
-      if (quantity == '') quantity = column%unit%quantity
-      ! a single letter is the weaker statement
-      if (len(name) == 1 .and. column%unit%quantity /= '' .and. quantity /= spectrum) then
-         quantity = column%unit%quantity
-      end if
-   end function quantity_of
 
    pure character(12) function quantity_of_name(name) result(quantity)
       character(*), intent(in) :: name

@@ -173,6 +173,7 @@ contains
       !! acceleration of unit 'g' [m/s2]
       type(record_t), intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
+      integer :: at
 
       if (samples%format == 'AT2' .and. present(dt)) then
          call fail(error, err_input, 'the record (AT2) has its own times: dt must not be given')
@@ -193,7 +194,11 @@ contains
          record%dt = real(samples%dt, wp)
       end if
       call set_times(record, size(samples%a), samples%t)
-      call set_accelerations(record, samples%a)
+      ! set the accelerations and their largest magnitude
+      record%a = real(samples%a, wp)
+      at = maxloc(abs(record%a), dim=1)
+      record%largest = abs(record%a(at))
+      record%t_peak = record%t(at)
       call set_factor(record, scale, g, error)
    end subroutine make_record
 
@@ -311,19 +316,5 @@ contains
       end do
       record%dt = dt
    end subroutine set_times
-
-   !> Set the accelerations and their largest magnitude.
-   subroutine set_accelerations(record, a)
-      type(record_t), intent(inout) :: record
-      !! record with its times
-      real(dp), intent(in) :: a(:)
-      !! (n) as in the file
-      integer :: at
-
-      record%a = real(a, wp)
-      at = maxloc(abs(record%a), dim=1)
-      record%largest = abs(record%a(at))
-      record%t_peak = record%t(at)
-   end subroutine set_accelerations
 
 end module rwmf_input_record_record_reader

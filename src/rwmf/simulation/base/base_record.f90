@@ -260,6 +260,7 @@ contains
       type(base_series_t), intent(in) :: series
       type(base_record_t), intent(inout) :: record
       integer :: i
+      real(wp) :: time
 
       call fill_columns(scene, regime, series, record)
       do i = 1, size(record%is_sought)
@@ -275,7 +276,17 @@ contains
          end do
       end if
       if (record%keeps_energy) call add_work(scene, regime, h, series, record)
-      if (allocated(record%history)) call write_rows(scene, t, h, series%order, record)
+      ! write the rows of the history within a step
+      if (allocated(record%history)) then
+         do while (record%rows < size(record%history%values, 1))
+            time = short_decimal(record%rows*record%dt)
+            ! the next step writes the row at its start
+            if (time > t .and. time >= t + h) return
+            record%rows = record%rows + 1
+            call put_columns(scene, record, time, max(0.0_wp, time - t), series%order)
+            record%history%values(record%rows, :) = record%row%numbers(:record%row%n)
+         end do
+      end if
    end subroutine observe_step
 
    !> Update smallest and largest value of a column.
@@ -492,27 +503,6 @@ contains
          energy%input_max = max(energy%input_max, abs(energy%input))
       end associate
    end subroutine add_work
-
-   !> Write the rows of the history within a step.
-   pure subroutine write_rows(scene, t, h, order, record)
-      type(base_scene_t), intent(in) :: scene
-      real(wp), intent(in) :: t
-      !! start of the step [s]
-      real(wp), intent(in) :: h
-      !! [s]
-      integer, intent(in) :: order
-      type(base_record_t), intent(inout) :: record
-      real(wp) :: time
-
-      do while (record%rows < size(record%history%values, 1))
-         time = short_decimal(record%rows*record%dt)
-         ! the next step writes the row at its start
-         if (time > t .and. time >= t + h) return
-         record%rows = record%rows + 1
-         call put_columns(scene, record, time, max(0.0_wp, time - t), order)
-         record%history%values(record%rows, :) = record%row%numbers(:record%row%n)
-      end do
-   end subroutine write_rows
 
    !> Energies of a state.
    pure type(stored_t) function stored_energies(scene, regime, y) result(stored)

@@ -135,7 +135,14 @@ contains
       do while (wall%t < t_end .and. .not. wall%has_overturned)
          call take_step(case, motion, t_end, wall, error)
          if (allocated(error)) return
-         call check_work(case, control, wall, error)
+         ! check the number of steps and the caller's request to stop
+         if (is_cancelled(control)) then
+            call fail(error, err_interrupt, 'interrupted at t = '//trim(real_to_text(wall%t))//' s')
+         else if (wall%steps > case%solver%max_steps) then
+            call fail(error, err_numerical, 'more than &solver max_steps steps by t = '//trim( &
+               real_to_text(wall%t))//' s, theta = '//trim(real_to_text(wall%y(1))) &
+               //': raise max_steps or rtol, or shorten t_end', 'too_many_steps')
+         end if
          if (allocated(error)) return
       end do
    end subroutine advance_on_base
@@ -175,6 +182,7 @@ contains
       integer, parameter :: most_events = 1000
       real(wp) :: h, longest, reach, t_next
       integer :: event, interval, n
+      integer :: i, free
 
       interval = interval_at(motion, wall%t)
       t_next = min(interval_end(motion, interval), t_end)
@@ -193,7 +201,17 @@ contains
             wall%functions, n)
          call find_event(wall%functions(:n), series%order, reach, event, h)
          call observe_step(scene, regime, wall%t, h, series, wall%record)
-         call move_states(series, h, wall%y)
+         ! evaluate the states at the end of a step
+         free = size(series%q, 2)
+         associate (of => series, n => series%order)
+            wall%y(1:6) = [series_value(of%theta(:n), h), series_value(of%theta_dot(:n), h), &
+               series_value(of%x(:n), h), series_value(of%x_dot(:n), h), series_value(of%z(:n), &
+               h), series_value(of%z_dot(:n), h)]
+            do i = 1, free
+               wall%y(6 + i) = series_value(of%q(:n, i), h)
+               wall%y(6 + free + i) = series_value(of%q_dot(:n, i), h)
+            end do
+         end associate
          wall%steps = wall%steps + 1_i8
          if (event == 0 .and. h >= longest) then
             wall%t = t_next
@@ -291,43 +309,5 @@ contains
          end associate
       end subroutine shorten
    end function accurate_length
-
-   !> Evaluate the states at the end of a step.
-   pure subroutine move_states(series, h, y)
-      type(base_series_t), intent(in) :: series
-      real(wp), intent(in) :: h
-      !! [s]
-      real(wp), intent(inout) :: y(:)
-      !! (states)
-      integer :: i, free
-
-      free = size(series%q, 2)
-      associate (of => series, n => series%order)
-         y(1:6) = [series_value(of%theta(:n), h), series_value(of%theta_dot(:n), h), &
-            series_value(of%x(:n), h), series_value(of%x_dot(:n), h), series_value(of%z(:n), h), &
-            series_value(of%z_dot(:n), h)]
-         do i = 1, free
-            y(6 + i) = series_value(of%q(:n, i), h)
-            y(6 + free + i) = series_value(of%q_dot(:n, i), h)
-         end do
-      end associate
-   end subroutine move_states
-
-   !> Check the number of steps and the caller's request to stop.
-   subroutine check_work(case, control, wall, error)
-      type(case_t), intent(in) :: case
-      type(control_t), intent(in) :: control
-      type(base_motion_t), intent(in) :: wall
-      type(error_t), allocatable, intent(out) :: error
-
-      if (is_cancelled(control)) then
-         call fail(error, err_interrupt, 'interrupted at t = '//trim(real_to_text(wall%t)) &
-            //' s')
-      else if (wall%steps > case%solver%max_steps) then
-         call fail(error, err_numerical, 'more than &solver max_steps steps by t = ' &
-            //trim(real_to_text(wall%t))//' s, theta = '//trim(real_to_text(wall%y(1))) &
-            //': raise max_steps or rtol, or shorten t_end', 'too_many_steps')
-      end if
-   end subroutine check_work
 
 end module rwmf_simulation_base_base_run

@@ -42,28 +42,16 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), allocatable, intent(out) :: f(:, :)
       real(wp) :: rates(size(y))
-
-      call rates_in(self%step, t, y, rates)
-      allocate (f(2, 0:1))
-      f = reserve_at(self%step, t, y, rates)
-   end subroutine evaluate_reserve
-
-   !> Uplift capacity minus demand on both sides, with rates. The capacity is linear in the further
-   !> states.
-   function reserve_at(step, t, y, rates) result(f)
-      type(step_view_t), intent(in) :: step
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:), rates(:)
-      !! (states) with their rates
-      real(wp) :: f(2, 0:1)
-      !! (sides, 0:1) [m/s2], [m/s3]
       real(wp), parameter :: part = 1.0e-5_wp
       !! fraction of the step in which the ground motion is nearly straight [-]
       real(wp) :: later(2), h
 
-      associate (equation => step%equation, interval => interval_of(step%equation))
-         h = step%t_b - step%t_a
+      call rates_in(self%step, t, y, rates)
+      allocate (f(2, 0:1))
+      ! Uplift capacity minus demand on both sides, with rates. The capacity is linear in the
+      ! further states.
+      associate (equation => self%step%equation, interval => interval_of(self%step%equation))
+         h = self%step%t_b - self%step%t_a
          call find_uplift_acceleration(equation%model_t, equation%state, y + h*rates)
          later = -uplift_demands(equation, interval, t)
          call find_uplift_acceleration(equation%model_t, equation%state, y)
@@ -71,7 +59,7 @@ contains
          f(:, 1) = (later - f(:, 0))/h - (uplift_demands(equation, interval, t + part*h) &
             - uplift_demands(equation, interval, t - part*h))/(2*part*h)
       end associate
-   end function reserve_at
+   end subroutine evaluate_reserve
 
    !> Declare the lift-off on a side: the reserve falls below a level just below zero, by round-off.
    function watch_reserve(self, i, span) result(watches)

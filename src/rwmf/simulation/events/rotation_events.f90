@@ -121,6 +121,8 @@ contains
       class(rotation_t), intent(in) :: self
       type(span_t), intent(in) :: span
       real(wp) :: low, high, turn
+      type(polygon_t) :: polygon
+      real(wp) :: reach
 
       associate (equation => self%step%equation, state => self%step%equation%state, &
                  theta => span%a%f(1, 0))
@@ -132,7 +134,21 @@ contains
          low = max(state%low, -self%overturning_angle)
          if (self%is_rocking .and. state%side > 0) low = max(low, 0.0_wp)
          if (self%is_rocking .and. state%side < 0) high = min(high, 0.0_wp)
-         turn = farthest_turn(self%step, span)
+         ! Bound on the rotation at a single turn in a span.
+         !
+         ! The turn lies within the cubic and its error. The bound also lies beyond the farther end,
+         ! by four times the distance under a steady acceleration.
+         associate (h => span%b%t - span%a%t, a => span%a%f(1, 0:1), b => span%b%f(1, 0:1))
+            reach = 0.5_wp*h*(abs(a(2)) + abs(b(2)))
+            polygon = value_polygon(h, a, b, roughness(fastest_angle(self%step, h), h, a, b))
+            associate (c => polygon%c(:polygon%n), margin => polygon%margin(:polygon%n))
+               if (b(2) > a(2)) then
+                  turn = min(minval(c - margin), min(a(1), b(1)) - reach)
+               else
+                  turn = max(maxval(c + margin), max(a(1), b(1)) + reach)
+               end if
+            end associate
+         end associate
          is_known = turn < min(high, self%known(2)) .and. turn > max(low, self%known(1))
       end associate
    end function is_known
@@ -171,29 +187,6 @@ contains
          end do
       end associate
    end subroutine watch_limits
-
-   !> Bound on the rotation at a single turn in a span.
-   !>
-   !> The turn lies within the cubic and its error. The bound also lies beyond the farther end, by
-   !> four times the distance under a steady acceleration.
-   pure real(wp) function farthest_turn(step, span) result(turn)
-      type(step_view_t), intent(in) :: step
-      type(span_t), intent(in) :: span
-      type(polygon_t) :: polygon
-      real(wp) :: reach
-
-      associate (h => span%b%t - span%a%t, a => span%a%f(1, 0:1), b => span%b%f(1, 0:1))
-         reach = 0.5_wp*h*(abs(a(2)) + abs(b(2)))
-         polygon = value_polygon(h, a, b, roughness(fastest_angle(step, h), h, a, b))
-         associate (c => polygon%c(:polygon%n), margin => polygon%margin(:polygon%n))
-            if (b(2) > a(2)) then
-               turn = min(minval(c - margin), min(a(1), b(1)) - reach)
-            else
-               turn = max(maxval(c + margin), max(a(1), b(1)) + reach)
-            end if
-         end associate
-      end associate
-   end function farthest_turn
 
    !> Declare the zero of the hysteretic force, which is monotone between the turns of the rotation.
    function watch_frame(self, i, span) result(watches)

@@ -80,10 +80,21 @@ contains
       !! number of watches in the list
       real(wp) :: low, high
       integer :: direction
+      real(wp) :: way
 
       n = 2
       if (stands_still(equation%state, i)) then
-         call watch_start(span, i, watches(1), n)
+         ! Watch the start of a storey without previous motion. Its first nonzero derivative gives
+         ! the direction.
+         associate (a => span%a%f(i, :), b => span%b%f(i, :))
+            way = a(2)
+            if (abs(way) <= 0) way = a(size(a))
+            if (size(a) < 3 .and. abs(way) <= 0) way = b(2)
+            if (begins_at_rest(span, i)) way = b(2)
+         end associate
+         n = merge(1, 0, abs(way) > 0)
+         if (n > 0) watches(1) = watch_t(i, 1, side=-sign(1.0_wp, way), kind=event_storey_turn, &
+            course=changed_at_begin)
          return
       end if
       direction = loading_direction_of(equation, equation%state, i)
@@ -100,28 +111,6 @@ contains
             kind=event_storey_limit)
       end if
    end subroutine list_ends
-
-   !> Watch the start of a storey without previous motion. Its first nonzero derivative gives the
-   !> direction.
-   pure subroutine watch_start(span, i, watch, n)
-      type(span_t), intent(in) :: span
-      integer, intent(in) :: i
-      !! number of the storey from the ground up
-      type(watch_t), intent(inout) :: watch
-      integer, intent(out) :: n
-      !! 1, or 0 if the storey does not start
-      real(wp) :: way
-
-      associate (a => span%a%f(i, :), b => span%b%f(i, :))
-         way = a(2)
-         if (abs(way) <= 0) way = a(size(a))
-         if (size(a) < 3 .and. abs(way) <= 0) way = b(2)
-         if (begins_at_rest(span, i)) way = b(2)
-      end associate
-      n = merge(1, 0, abs(way) > 0)
-      if (n > 0) watch = watch_t(i, 1, side=-sign(1.0_wp, way), kind=event_storey_turn, &
-         course=changed_at_begin)
-   end subroutine watch_start
 
    !> Reversal of a yielding storey.
    pure type(watch_t) function reversal(span, i, direction) result(watch)

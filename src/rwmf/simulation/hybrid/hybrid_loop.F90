@@ -73,8 +73,14 @@ contains
       end if
       call reset_springs(equation%model_t, equation%state)
       call load_to(equation%model_t, equation%state, y(1))
-      if (equation%has_loading_direction .and. abs(y(1)) > 0) call start_hysteresis(hybrid, &
-         equation)
+      ! Start smooth hysteresis without previous motion at the initial rotation. From rest, the
+      ! acceleration gives the loading direction.
+      if (equation%has_loading_direction .and. abs(y(1)) > 0) then
+         call load_bouc_wen(equation, hybrid%y)
+         equation%state%signs%loading_direction = 1
+         if (abs(hybrid%y(2)) <= 0) equation%state%signs%loading_direction = int(sign(1.0_wp, &
+            second_derivative(equation, hybrid%t, hybrid%y)))
+      end if
       call start_storeys(equation%model_t, equation%state, y)
       if (.not. equation%has_impacts) then
          hybrid%mode = mode_no_impacts
@@ -106,19 +112,6 @@ contains
       hybrid%creep%shortest = short/sqrt(equation%p%g_over_R)
    end subroutine watch_creep
 
-   !> Start smooth hysteresis without previous motion at the initial rotation. From rest, the
-   !> acceleration gives the loading direction.
-   subroutine start_hysteresis(hybrid, equation)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-
-      call load_bouc_wen(equation, hybrid%y)
-      equation%state%signs%loading_direction = 1
-      if (abs(hybrid%y(2)) <= 0) equation%state%signs%loading_direction = int(sign(1.0_wp, &
-         second_derivative(equation, &
-         hybrid%t, hybrid%y)))
-   end subroutine start_hysteresis
-
    !> Integrate the system up to t_target, overturning or collapse.
    subroutine advance_hybrid(hybrid, equation, integrator, recorder, t_target, control, error)
       type(hybrid_t), intent(inout) :: hybrid
@@ -146,22 +139,12 @@ contains
             end select
          end if
          if (allocated(error)) return
-         call check_work(hybrid, integrator, control, error)
+         ! check the number of steps, the progress in time and the caller's request to stop
+         call check_progress(hybrid%progress, size(hybrid%y), hybrid%t, error)
+         if (.not. allocated(error)) call check_steps(hybrid, integrator, control, error)
          if (allocated(error)) return
       end do
    end subroutine advance_hybrid
-
-   !> Check the number of steps, the progress in time and the caller's request to stop.
-   subroutine check_work(hybrid, integrator, control, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      class(integrator_t), intent(in) :: integrator
-      type(control_t), intent(in) :: control
-      type(error_t), allocatable, intent(out) :: error
-      !! `err_interrupt` on the caller's request, `err_numerical` after too many steps
-
-      call check_progress(hybrid%progress, size(hybrid%y), hybrid%t, error)
-      if (.not. allocated(error)) call check_steps(hybrid, integrator, control, error)
-   end subroutine check_work
 
    !> Check the number of steps, the advance of a creeping wall and the caller's request to stop.
    subroutine check_steps(hybrid, integrator, control, error)

@@ -79,7 +79,18 @@ contains
       logical :: is_found
       integer :: i
 
-      call set_limits(rotation, hybrid, step, recorder)
+      ! set the limits of the scene
+      rotation%n = 1
+      rotation%states = [1, 2]
+      rotation%has_limits = .true.
+      rotation%is_rocking = hybrid%mode == mode_rocking
+      if (step%equation%has_wall) rotation%overturning_angle = hybrid%overturning_angle
+      if (.not. recorder%keeps_events) rotation%known = [recorder%theta_min, recorder%theta_max]
+      if (step%equation%has_loading_direction) then
+         rotation%direction = step%equation%state%signs%loading_direction
+         rotation%knows_direction = abs(step%y_a(2)) <= 0
+      end if
+      call leave_base(rotation, step)
       at_end = ending
       rest = step
       do i = 0, most_turns
@@ -110,26 +121,6 @@ contains
          call pass_turn(rotation, rest, ending, y_a)
       end do
    end subroutine search_rotation
-
-   !> Set the limits of the scene.
-   subroutine set_limits(rotation, hybrid, step, recorder)
-      type(rotation_t), intent(inout) :: rotation
-      type(hybrid_t), intent(in) :: hybrid
-      type(step_view_t), intent(in) :: step
-      type(recorder_t), intent(in) :: recorder
-
-      rotation%n = 1
-      rotation%states = [1, 2]
-      rotation%has_limits = .true.
-      rotation%is_rocking = hybrid%mode == mode_rocking
-      if (step%equation%has_wall) rotation%overturning_angle = hybrid%overturning_angle
-      if (.not. recorder%keeps_events) rotation%known = [recorder%theta_min, recorder%theta_max]
-      if (step%equation%has_loading_direction) then
-         rotation%direction = step%equation%state%signs%loading_direction
-         rotation%knows_direction = abs(step%y_a(2)) <= 0
-      end if
-      call leave_base(rotation, step)
-   end subroutine set_limits
 
    !> Set the direction of a flight that starts with theta' = 0: away from the base.
    pure subroutine leave_base(rotation, step)

@@ -54,6 +54,9 @@ contains
       !! event, or none
       type(error_t), allocatable, intent(out) :: error
       !! the wall jumps
+      integer :: broken
+      integer, allocatable :: before(:)
+      !! (springs) kinds of branches
 
       select case (ending%kind)
       case (event_impact)
@@ -62,7 +65,18 @@ contains
       case (event_lift_off)
          call lift_off(hybrid, equation, recorder, 2*ending%number - 3, error)
       case (event_branch)
-         call enter_branch(hybrid, equation, recorder, ending%is_rising)
+         ! move a spring to its next branch
+         broken = broken_tendons(equation%state)
+         before = equation%state%springs%kind
+         call observe_state(recorder, equation, hybrid%t, hybrid%y)
+         call pass_window(equation%model_t, equation%state, ending%is_rising)
+         hybrid%must_restart = .true.
+         if (broken_tendons(equation%state) > broken) then
+            call observe_event(recorder, event_rupture, hybrid%t, hybrid%y)
+         else if (any(equation%state%springs%kind /= before)) then
+            ! a stroke that turns ends a window without a change of branch
+            call observe_event(recorder, event_branch, hybrid%t, hybrid%y)
+         end if
       case (event_peak)
          hybrid%y(2) = 0
          call turn_back(equation%model_t, equation%state, hybrid%y(1))
@@ -79,7 +93,13 @@ contains
          hybrid%mode = mode_collapsed
          call observe_event(recorder, event_collapsed, hybrid%t, hybrid%y)
       case (event_storey_limit, event_storey_turn, event_storey_zero)
-         call change_storey(hybrid, equation, recorder, ending)
+         ! end the branch of a storey at the current state
+         call observe_state(recorder, equation, hybrid%t, hybrid%y)
+         call end_branch(equation%model_t, equation%state, ending, hybrid%y)
+         if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
+            hybrid%t, hybrid%y)
+         if (ending%kind == event_storey_turn) hybrid%t_turn = hybrid%t
+         hybrid%must_restart = .true.
       case default
          ! no change
       end select
@@ -182,45 +202,6 @@ contains
       if (time <= 0) time = huge(time)
    end function flight_time
 
-   !> Move a spring to its next branch.
-   subroutine enter_branch(hybrid, equation, recorder, is_rising)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      type(recorder_t), intent(inout) :: recorder
-      logical, intent(in) :: is_rising
-      !! true if the rotation increases
-      integer :: broken
-      integer, allocatable :: before(:)
-      !! (springs) kinds of branches
-
-      broken = broken_tendons(equation%state)
-      before = equation%state%springs%kind
-      call observe_state(recorder, equation, hybrid%t, hybrid%y)
-      call pass_window(equation%model_t, equation%state, is_rising)
-      hybrid%must_restart = .true.
-      if (broken_tendons(equation%state) > broken) then
-         call observe_event(recorder, event_rupture, hybrid%t, hybrid%y)
-      else if (any(equation%state%springs%kind /= before)) then
-         ! a stroke that turns ends a window without a change of branch
-         call observe_event(recorder, event_branch, hybrid%t, hybrid%y)
-      end if
-   end subroutine enter_branch
-
-   !> End the branch of a storey at the current state.
-   subroutine change_storey(hybrid, equation, recorder, ending)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      type(recorder_t), intent(inout) :: recorder
-      type(ending_t), intent(in) :: ending
-
-      call observe_state(recorder, equation, hybrid%t, hybrid%y)
-      call end_branch(equation%model_t, equation%state, ending, hybrid%y)
-      if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
-         hybrid%t, hybrid%y)
-      if (ending%kind == event_storey_turn) hybrid%t_turn = hybrid%t
-      hybrid%must_restart = .true.
-   end subroutine change_storey
-
    !> Record a peak of the rotation.
    subroutine observe_peak(hybrid, equation, recorder, v, t, y)
       type(hybrid_t), intent(in) :: hybrid
@@ -275,11 +256,17 @@ contains
       !! ratio to the largest velocity, over sqrt(rtol), above which impacts do not graze [-]
       real(wp) :: after, energy, impulse(2)
       logical :: stays
+      real(wp) :: away
+      !! acceleration away from the base [rad/s2]
 
       ! spectrum ordinates of peaks alone have no such warning
       if (hybrid%settled_angle <= 0 &
           .and. abs(hybrid%y(2)) < slow*sqrt(hybrid%rtol)*recorder%theta_dot_ends) then
-         call check_grazing(hybrid, equation, recorder)
+         ! record a grazing impact: so slow that the acceleration away from the base nearly prevents
+         ! contact
+         away = equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
+         if (away > 0) call observe_grazing(recorder, hybrid%rtol, hybrid%t, hybrid%y(2)**2/(2 &
+            *away))
       end if
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
@@ -332,19 +319,6 @@ contains
       end do
    end subroutine land_effects
 
-   !> Let the effects take the momentum that the impacts left out would give to them.
-   subroutine stop_effects(equation, y)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(inout) :: y(:)
-      !! (states) on the base, with the velocity that is left
-      real(wp) :: after
-      logical :: stays
-
-      stays = .true.
-      after = 0
-      call land_effects(equation, y, after, stays)
-   end subroutine stop_effects
-
    !> Return whether the wall rests after an impact.
    logical function settles(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
@@ -381,8 +355,13 @@ contains
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
+      real(wp) :: after
+      logical :: stays
 
-      call stop_effects(equation, hybrid%y)
+      ! let the effects take the momentum that the impacts left out would give to them
+      stays = .true.
+      after = 0
+      call land_effects(equation, hybrid%y, after, stays)
       if (sees_forces(recorder)) call observe_end_of_chatter(hybrid, equation, recorder)
       call turn_back(equation%model_t, equation%state, 0.0_wp)
       call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
@@ -538,19 +517,6 @@ contains
       call land_effects(equation, y, after, stays)
       e = after/y(2)
    end function landing_factor
-
-   !> Record a grazing impact: so slow that the acceleration away from the base nearly prevents
-   !> contact.
-   subroutine check_grazing(hybrid, equation, recorder)
-      type(hybrid_t), intent(in) :: hybrid
-      type(equation_t), intent(in) :: equation
-      type(recorder_t), intent(inout) :: recorder
-      real(wp) :: away
-      !! acceleration away from the base [rad/s2]
-
-      away = equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
-      if (away > 0) call observe_grazing(recorder, hybrid%rtol, hybrid%t, hybrid%y(2)**2/(2*away))
-   end subroutine check_grazing
 
    !> Start the motion of a wall that touches its base without velocity while one side is pulled up.
    subroutine leave_without_velocity(hybrid, equation)

@@ -301,7 +301,18 @@ contains
                return
             end if
          end if
-         rest = time_to_event(lane, i, y, rates, batch)
+         ! time from the end of the step to the target event, by one step of Newton's method [s]
+         if (lane%target_event == at_storey) then
+            rest = lane%storey%rest
+         else if (lane%target_event == at_turn) then
+            rest = -y(2)/rates(2)
+         else if (lane%target_event == at_state) then
+            associate (further => further_state(lane%equation))
+               rest = -y(further)/rates(further)
+            end associate
+         else
+            rest = (batch%table(i, merge(of_low, of_high, lane%target_event == at_low)) - y(1))/y(2)
+         end if
          short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-5_wp, &
             lane%equation%n == 2))
          if (abs(rest) <= max(short*h, 2*epsilon(t)*t)) then
@@ -339,10 +350,14 @@ contains
       !! (states) at the end of the step
       type(batch_t), intent(inout) :: batch
       integer :: j
+      logical :: turns_at
+      integer, parameter :: spacings = 8
 
       if (lane%target_event == at_storey) then
          call reach_target(lane, i, batch, rest, y)
-         if (lane%equation%state%ends_at_peak .and. turns_at(t, batch%y(i, 2), y(2), rates(2))) then
+         ! the rotation turns before the end of the step or within round-off of it
+         turns_at = batch%y(i, 2)*y(2) < 0 .or. abs(y(2)) <= spacings*spacing(t)*abs(rates(2))
+         if (lane%equation%state%ends_at_peak .and. turns_at) then
             call inspect_step(lane, i, batch)
             return
          end if
@@ -357,41 +372,6 @@ contains
       end if
       call happen(lane, i, t + rest, y, batch)
    end subroutine reach_event
-
-   !> Return whether the rotation turns before the end of a step or within round-off of it.
-   pure logical function turns_at(t, v_a, v_b, rate)
-      real(wp), intent(in) :: t
-      !! end of the step [s]
-      real(wp), intent(in) :: v_a, v_b
-      !! angular velocity at both ends [rad/s]
-      real(wp), intent(in) :: rate
-      !! its rate at the end [rad/s2]
-      integer, parameter :: spacings = 8
-
-      turns_at = v_a*v_b < 0 .or. abs(v_b) <= spacings*spacing(t)*abs(rate)
-   end function turns_at
-
-   !> Time from the end of the step to the target event, by one step of Newton's method [s].
-   pure real(wp) function time_to_event(lane, i, y, rates, batch) result(rest)
-      type(lane_state_t), intent(in) :: lane
-      integer, intent(in) :: i
-      !! number of the lane in the batch
-      real(wp), intent(in) :: y(:), rates(:)
-      !! (states) at the end of the step, and their rates
-      type(batch_t), intent(in) :: batch
-
-      if (lane%target_event == at_storey) then
-         rest = lane%storey%rest
-      else if (lane%target_event == at_turn) then
-         rest = -y(2)/rates(2)
-      else if (lane%target_event == at_state) then
-         associate (further => further_state(lane%equation))
-            rest = -y(further)/rates(further)
-         end associate
-      else
-         rest = (batch%table(i, merge(of_low, of_high, lane%target_event == at_low)) - y(1))/y(2)
-      end if
-   end function time_to_event
 
    !> Select an earlier event if one precedes the target: an end of the rotation's window, or of the
    !> further state's window.

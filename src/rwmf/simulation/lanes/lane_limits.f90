@@ -64,13 +64,18 @@ contains
       type(lane_state_t), intent(inout), target :: lanes(:)
       type(batch_t), intent(inout), target :: batch
       integer :: i
+      logical :: is_without_change
 
       if (batch%branches%is_screened) call screen_storeys(lanes, batch)
       batch%has_limits = .false.
       do i = 1, batch%width
          if (.not. (batch%is_busy(i) .and. lanes(i)%has_limits)) cycle
          batch%has_limits = .true.
-         if (is_without_change(lanes(i), i, batch)) then
+         ! the loop over lanes shows that an attempted step has no change
+         is_without_change = batch%branches%is_screened .and. lanes(i)%target_event /= at_storey
+         if (is_without_change) is_without_change = batch%branches%is_quiet(i, 0) > 0 &
+            .and. batch%table(i, of_trial) < batch%branches%longest(i)
+         if (is_without_change) then
             lanes(i)%is_smooth = .true.
             lanes(i)%storey%at = huge(1.0_wp)
          else if (batch%error(i) <= 1) then
@@ -81,18 +86,6 @@ contains
             .and. lanes(i)%target_event == no_event .and. lanes(i)%storey%at > 1)
       end do
    end subroutine inspect_limits
-
-   !> Return whether the loop over lanes shows that an attempted step has no change.
-   pure logical function is_without_change(lane, i, batch)
-      type(lane_state_t), intent(in) :: lane
-      integer, intent(in) :: i
-      !! number of the lane in the batch
-      type(batch_t), intent(in) :: batch
-
-      is_without_change = batch%branches%is_screened .and. lane%target_event /= at_storey
-      if (is_without_change) is_without_change = batch%branches%is_quiet(i, 0) > 0 &
-         .and. batch%table(i, of_trial) < batch%branches%longest(i)
-   end function is_without_change
 
    !> Return whether a lane has limits besides those of its rotation and of its storeys.
    pure logical function has_other_limits(lane)
@@ -184,7 +177,13 @@ contains
 
       has_target = lane%target_event == at_storey
       associate (equation => lane%equation, storey => lane%storey)
-         call measure_end(equation, i, step, batch, storey)
+         ! evaluate the storeys at the end of an attempted step, with exact rates
+         call create_spans(equation%n, batch%branches%n, storey)
+         storey%y(:) = batch%y_new(i, :)
+         call rates_at(equation, step%t_b, storey%y, storey%rates)
+         storey%span%b%t = step%t_b
+         call take_values(equation, storey%y, storey%rates, batch%branches%is_screened, &
+            batch%branches%d(i, :, :, 2), storey%span%b, storey%states%b)
          is_clear = .true.
          if (has_target) call approach_target(storey, is_clear)
          lane%is_smooth = is_clear
@@ -297,23 +296,6 @@ contains
       storey%at = x
       storey%first = watch
    end subroutine compare_end
-
-   !> Evaluate the storeys at the end of an attempted step, with exact rates.
-   subroutine measure_end(equation, i, step, batch, storey)
-      type(equation_t), intent(in) :: equation
-      integer, intent(in) :: i
-      !! number of the lane in the batch
-      type(step_view_t), intent(in) :: step
-      type(batch_t), intent(in) :: batch
-      type(storey_end_t), intent(inout) :: storey
-
-      call create_spans(equation%n, batch%branches%n, storey)
-      storey%y(:) = batch%y_new(i, :)
-      call rates_at(equation, step%t_b, storey%y, storey%rates)
-      storey%span%b%t = step%t_b
-      call take_values(equation, storey%y, storey%rates, batch%branches%is_screened, &
-         batch%branches%d(i, :, :, 2), storey%span%b, storey%states%b)
-   end subroutine measure_end
 
    !> Evaluate the storeys at the beginning of an attempted step, and measure the step.
    subroutine measure_begin(equation, i, step, batch, storey)

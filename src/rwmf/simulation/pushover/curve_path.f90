@@ -290,10 +290,17 @@ contains
       logical, intent(out) :: is_found
       real(wp) :: from, slope, step
       integer :: i
+      real(wp), parameter :: small = 1.0e-6_wp
+      real(wp), allocatable :: change(:)
 
       associate (scene => path%scene)
          from = control_value(scene, control, scene%y, scene%load)
-         slope = slope_along(path, control)
+         ! rate of the quantity along the path
+         allocate (change(size(scene%y)), source=0.0_wp)
+         change(scene%q) = small*path%rates
+         slope = (control_value(scene, control, scene%y + change, scene%load + small &
+            *path%load_rate) - control_value(scene, control, scene%y - change, scene%load - small &
+            *path%load_rate))/(2*small)
          step = control%target_value - from
          do i = 1, most_halvings
             control%target_value = from + step
@@ -309,22 +316,6 @@ contains
          end do
       end associate
    end subroutine take_step
-
-   !> Rate of a quantity along the path.
-   real(wp) function slope_along(path, control) result(slope)
-      type(curve_path_t), intent(inout) :: path
-      type(prescribed_t), intent(in) :: control
-      real(wp), parameter :: small = 1.0e-6_wp
-      real(wp), allocatable :: change(:)
-
-      associate (scene => path%scene)
-         allocate (change(size(scene%y)), source=0.0_wp)
-         change(scene%q) = small*path%rates
-         slope = (control_value(scene, control, scene%y + change, scene%load &
-            + small*path%load_rate) - control_value(scene, control, scene%y - change, scene%load &
-            - small*path%load_rate))/(2*small)
-      end associate
-   end function slope_along
 
    !> Shorten a step to its first turn or event.
    subroutine stop_at_event(path, control, y, load, event, is_found)
@@ -672,7 +663,9 @@ contains
          load = path%scene%load
          call find_equilibrium(path%scene, control, y, load, is_found)
          if (.not. is_found) exit
-         if (is_below_base(path%scene, y)) then
+         ! a wall that rocks would be below its base
+         if (path%scene%equation%has_impacts .and. .not. path%scene%is_held &
+            .and. path%scene%equation%state%side*y(1) < -epsilon(1.0_wp)) then
             ! the jump ends on the base
             path%scene%is_held = .true.
             has_landed = .true.
@@ -688,16 +681,6 @@ contains
          call end_path(path, 'no_equilibrium')
       end if
    end subroutine rebalance
-
-   !> True if a wall that rocks would be below its base.
-   pure logical function is_below_base(scene, y)
-      type(static_scene_t), intent(in) :: scene
-      real(wp), intent(in) :: y(:)
-      !! (states)
-
-      is_below_base = scene%equation%has_impacts .and. .not. scene%is_held &
-         .and. scene%equation%state%side*y(1) < -epsilon(1.0_wp)
-   end function is_below_base
 
    !> Turn springs and pass the limits that a jump reverses or exceeds.
    subroutine follow_jump(path, y, is_settled)

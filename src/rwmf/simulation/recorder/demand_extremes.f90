@@ -87,18 +87,7 @@ contains
          serves = [(any(is_requested .and. recorder%leader == q), q=1, n)]
       end associate
       where (.not. is_requested .and. .not. serves) recorder%leader = 0
-      call form_pools(recorder, output)
-      associate (building => recorder%building, n => size(serves))
-         building%has_sections = any(is_requested(n - 1:))
-         recorder%list = demand_list_t(building%floors, building%drifts, building%has_sections)
-      end associate
-   end subroutine drop_others
-
-   !> Form pools of drifts and of accelerations if only the largest of all is requested.
-   pure subroutine form_pools(recorder, output)
-      type(demand_recorder_t), intent(inout) :: recorder
-      type(output_t), intent(in) :: output
-
+      ! form pools of drifts and of accelerations if only the largest of all is requested
       associate (pool => recorder%pool, s => recorder%building%drifts, n => size(recorder%pool))
          ! the drifts of a linear building also serve the shears of its storeys
          if (.not. seeks(output, [id%storey_i_drift_max, id%storey_i_shear_max_over_m_w_g])) then
@@ -106,7 +95,11 @@ contains
          end if
          if (.not. seeks(output, [id%floor_i_acceleration_max_g])) pool(2*s + 1:n - 3) = 2*s + 1
       end associate
-   end subroutine form_pools
+      associate (building => recorder%building, n => size(serves))
+         building%has_sections = any(is_requested(n - 1:))
+         recorder%list = demand_list_t(building%floors, building%drifts, building%has_sections)
+      end associate
+   end subroutine drop_others
 
    !> Return whether loops over lanes can compute the demands: storeys that follow one mode have no
    !> states.

@@ -417,14 +417,6 @@ contains
       end do
    end subroutine search_rest
 
-   !> Highest natural frequency of a scene [rad/s].
-   pure real(wp) function fastest_of(equation) result(frequency)
-      type(equation_t), intent(in) :: equation
-
-      frequency = max(equation%p%omega_s, equation%floors%max_frequency, sqrt(equation%p%g &
-         /equation%p%R))
-   end function fastest_of
-
    !> Highest natural frequency, including that of the wall on its springs and cable [rad/s].
    real(wp) function frequency_with_springs(equation, y) result(frequency)
       type(equation_t), intent(in) :: equation
@@ -434,7 +426,9 @@ contains
       !! [rad]
       real(wp), dimension(size(y)) :: beside, rates, rates_beside
 
-      frequency = fastest_of(equation)
+      ! highest natural frequency of a scene [rad/s]
+      frequency = max(equation%p%omega_s, equation%floors%max_frequency, sqrt(equation%p%g &
+         /equation%p%R))
       if (.not. equation%has_wall) return
       beside = y
       beside(1) = y(1) + sign(small, y(1))
