@@ -7,7 +7,6 @@ times, writes ``validation/opensees/coupling.csv`` and prints it as a table. It 
 
 import importlib
 import sys
-import time
 from dataclasses import replace
 from types import ModuleType
 from typing import NamedTuple
@@ -64,7 +63,6 @@ class Row(NamedTuple):
     impacts_error_ms: float
     history_error: float
     order: float
-    us_per_step: float
 
 
 def motion() -> rwmf.Motion:
@@ -150,12 +148,10 @@ def compare(ops: ModuleType, scene: str) -> list[Row]:
     rows: list[Row] = []
     for dt in STEPS[1:] if scene in FINER else STEPS[:-1]:
         build(ops, frame)
-        begun = time.perf_counter()
         host = rwmf.hosts.OpenSeesHost(ops, nodes)
         run = rwmf.hosts.couple(
             case, host, lambda t: float(np.interp(t, times, values)), dt, T_END, **heights
         )
-        seconds = time.perf_counter() - begun
         history = np.interp(truth.time.values, run.t, run.u) - roof
         error = float(np.abs(history).max() / peak)
         ours = impacts_of(truth)
@@ -172,7 +168,6 @@ def compare(ops: ModuleType, scene: str) -> list[Row]:
                 1e3 * impacts,
                 error,
                 np.log2(rows[-1].history_error / error) if rows else np.nan,
-                1e6 * seconds / (T_END / dt),
             )
         )
         print(rows[-1], len(ours), len(theirs), run.energy, file=sys.stderr, flush=True)

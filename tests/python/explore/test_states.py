@@ -217,10 +217,36 @@ def test_lists_of_storeys_have_sliders(show: Open) -> None:
     assert sum(opened.page.evaluate("explorer.scene.get('storeys.height')")) == pytest.approx(24)
 
 
-def test_forces_in_kilonewtons_and_stresses_in_megapascals(show: Open) -> None:
+def test_six_storeys_show_the_numbers_of_the_run(show: Open) -> None:
+    """Headline, groups, profile and hinges are those of the package; forces in kN, stresses in MPa.
+
+    The key numbers have the words of `rwmf run`; a ratio gives way to its force in N.
+    """
     opened = show()
     opened.page.select_option("#preset", "six_storeys")
     opened.settle()
+    headline = str(opened.page.locator("#numbers").text_content())
+    case = case_of_preset("six_storeys")
+    run = rwmf.simulate(case.replace(output={"reactions": True}), dt=0.01)
+    assert "interstorey drift (IDR)" in str(run)
+    for line in str(run).splitlines()[1:7]:
+        assert line[26:].strip() in headline, line
+    shown = _numbers(opened)
+    assert "tendon_force_max_N" in shown
+    assert "tendon_force_max_over_m_w_g" not in shown
+    profile, times = opened.page.evaluate(
+        "[explorer.stage.motion.profile, explorer.stage.motion.yieldTimes.map(String)]"
+    )
+    assert profile["drift"] == pytest.approx(run.storeys_drift_max.values, rel=1e-12)
+    assert profile["acceleration"] == pytest.approx(run.floors_acceleration_max_g.values, rel=1e-12)
+    ductility = run.storeys_ductility.values
+    assert np.divide(profile["drift"], profile["yield"]) == pytest.approx(ductility, rel=1e-9)
+    drifts = np.abs(run.storeys_drift.transpose("time", "storey").values)
+    for i, (text, ratio) in enumerate(zip(times, ductility, strict=True)):
+        assert (text == "Infinity") == (ratio <= 1.0)
+        if ratio > 1.0:
+            first = run.time.values[np.argmax(drifts[:, i] > profile["yield"][i])]
+            assert float(text) == pytest.approx(first, abs=0.02)
     opened.open_all()
     assert opened.field("fuse.F_y").input_value() == "120"
     assert opened.field("cable.initial_stress").input_value() == "500"
@@ -238,28 +264,6 @@ def test_forces_in_kilonewtons_and_stresses_in_megapascals(show: Open) -> None:
     assert opened.page.evaluate("explorer.pictures.spectrum.labels[1]").endswith("[kN]")
     marked = opened.page.evaluate("explorer.pictures.marker.value")
     assert marked == pytest.approx(1e-3 * float(opened.number("base_shear_max_N")))
-
-
-def test_the_profile_is_that_of_the_run(show: Open) -> None:
-    """Peaks, hinges and the time of first yield agree with the history of the package."""
-    opened = show()
-    opened.page.select_option("#preset", "six_storeys")
-    opened.settle()
-    profile, times = opened.page.evaluate(
-        "[explorer.stage.motion.profile, explorer.stage.motion.yieldTimes.map(String)]"
-    )
-    case = case_of_preset("six_storeys")
-    run = rwmf.simulate(case.replace(output={"reactions": True}), dt=0.01)
-    assert profile["drift"] == pytest.approx(run.storeys_drift_max.values, rel=1e-12)
-    assert profile["acceleration"] == pytest.approx(run.floors_acceleration_max_g.values, rel=1e-12)
-    ductility = run.storeys_ductility.values
-    assert np.divide(profile["drift"], profile["yield"]) == pytest.approx(ductility, rel=1e-9)
-    drifts = np.abs(run.storeys_drift.transpose("time", "storey").values)
-    for i, (text, ratio) in enumerate(zip(times, ductility, strict=True)):
-        assert (text == "Infinity") == (ratio <= 1.0)
-        if ratio > 1.0:
-            first = run.time.values[np.argmax(drifts[:, i] > profile["yield"][i])]
-            assert float(text) == pytest.approx(first, abs=0.02)
 
 
 def test_the_picture_stays_visible_on_a_phone(show: Open) -> None:
@@ -281,18 +285,3 @@ def test_the_picture_stays_visible_on_a_phone(show: Open) -> None:
     opened.page.locator("#theta").scroll_into_view_if_needed()
     canvas, panel = (opened.page.locator(x).bounding_box() for x in ("#stage", "aside"))
     assert 0 <= canvas["y"] <= canvas["y"] + canvas["height"] <= panel["y"]
-
-
-def test_key_numbers_are_those_of_the_command(show: Open) -> None:
-    """Headline and groups are the words of `rwmf run`; a ratio gives way to its force in N."""
-    opened = show()
-    opened.page.select_option("#preset", "six_storeys")
-    opened.settle()
-    headline = str(opened.page.locator("#numbers").text_content())
-    run = rwmf.simulate(case_of_preset("six_storeys").replace(output={"reactions": True}))
-    assert "interstorey drift (IDR)" in str(run)
-    for line in str(run).splitlines()[1:7]:
-        assert line[26:].strip() in headline, line
-    shown = _numbers(opened)
-    assert "tendon_force_max_N" in shown
-    assert "tendon_force_max_over_m_w_g" not in shown
