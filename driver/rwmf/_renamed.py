@@ -42,24 +42,20 @@ NAMES = {
     "ufp_force": "rwmf.sections.ufp",
     "ufp_stiffness": "rwmf.sections.ufp",
     "studies.annual_frequency": "a function of yours (page Gradients)",
-    "studies.cumulative_distribution": _RECIPE,
     "studies.displacement_based_prestress": "a recipe of the page Design",
     "studies.fragility": "rwmf.fragility",
     "studies.fragility_median": "a function of yours (page Gradients)",
-    "studies.friction_spectra": _RECIPE,
     "studies.incremental_dynamic_analysis": "rwmf.stripes or rwmf.ida",
     "studies.percentiles": "rwmf.quantile",
-    "studies.sensitivity_bands": _RECIPE,
-    "studies.suite_spectra": _RECIPE,
     "studies.without_wall": "Case.without_wall",
-    "plot.draw_bands": _RECIPE,
     "plot.draw_equal_response": "rwmf.plot.equal_response",
     "plot.draw_fragility": "rwmf.plot.fragility",
-    "plot.draw_friction": _RECIPE,
     "plot.draw_overturning": "rwmf.plot.overturning_map",
-    "plot.draw_suite": _RECIPE,
     "plot.draw_wall_effect": "rwmf.plot.wall_effect",
 }
+_RECIPES = "cumulative_distribution friction_spectra sensitivity_bands suite_spectra"
+NAMES |= {f"studies.{name}": _RECIPE for name in _RECIPES.split()}
+NAMES |= {f"plot.draw_{name}": _RECIPE for name in ("bands", "friction", "suite")}
 NAMES |= {name: f"rwmf.hosts.{name}" for name in _IN_HOSTS}
 NAMES |= {name: f"the type of {owner}" for name, owner in _TYPES.items()}
 NAMES |= {

@@ -21,7 +21,7 @@ from rwmf.cli.output import (
     print_json,
     print_warnings,
 )
-from rwmf.errors import InputError
+from rwmf.errors import placed
 from rwmf.figures import image_files as figures
 from rwmf.figures import loops
 from rwmf.kernel import files, results, tables
@@ -89,10 +89,8 @@ def _derivatives(case: Case, source: str) -> xr.Dataset | None:
     # imported here: a run without derivatives does not load xarray
     from rwmf.assess.gradient import gradient
 
-    try:
+    with placed(f"{source}, &sensitivity: "):
         return gradient(case)
-    except InputError as error:
-        raise InputError(f"{source}, &sensitivity: {error}") from None
 
 
 def _place_of(path: Path) -> tuple[int, int] | None:
