@@ -6,7 +6,8 @@ import logging
 import re
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 
@@ -20,6 +21,7 @@ __all__ = [
     "RwmfWarning",
     "call_depth",
     "did_you_mean",
+    "placed",
     "warn",
     "without_lines",
 ]
@@ -75,6 +77,15 @@ class OutputError(RwmfError, OSError):
     """A file cannot be written; existing files of that name are unchanged."""
 
     exit_status = 2
+
+
+@contextmanager
+def placed(place: str) -> Iterator[None]:
+    """Put a place before the message of an input error."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{place}{error}") from None
 
 
 # Ctrl-C stopped a running kernel; Python ends with the status of the signal for this type alone

@@ -13,7 +13,7 @@ import numpy as np
 
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.arguments import case_of, checked
-from rwmf.errors import InputError, warn
+from rwmf.errors import InputError, placed, warn
 from rwmf.kernel.numbers import Array, Truths, show, to_array, to_items, to_number, to_whole
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.motion.record_sets import RecordFile, find_records
@@ -750,10 +750,8 @@ def _check_ends(case: Case, variables: Sequence[Variable]) -> Array:
     """Refuse bounds that no case may have; return the lower ones."""
     ends = {"lower": [item.low for item in variables], "upper": [item.high for item in variables]}
     for word, values in ends.items():
-        try:
+        with placed(f"bounds, {word} ends: "):
             _with_values(case, variables, np.array(values))
-        except InputError as error:
-            raise InputError(f"bounds, {word} ends: {error}") from None
     return np.array(ends["lower"])
 
 

@@ -24,8 +24,7 @@ from rwmf.errors import InputError
 from rwmf.kernel import tables
 from rwmf.kernel.progress import Reports, reporting
 from rwmf.motion.record_sets import RecordFile
-from rwmf.run.quantities import ORDINATES as QUANTITIES
-from rwmf.run.quantities import default_quantity, find_quantities
+from rwmf.run.quantities import ORDINATES, default_quantity, find_quantities
 from rwmf.sweeps.points import Points
 
 
@@ -171,4 +170,4 @@ def _dataset(
 
 
 def _unit_of(name: str) -> str:
-    return QUANTITIES[next(iter(find_quantities((name,))))].unit
+    return ORDINATES[next(iter(find_quantities((name,))))].unit

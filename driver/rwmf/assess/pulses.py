@@ -23,8 +23,7 @@ from rwmf.kernel import tables
 from rwmf.kernel.names import readable
 from rwmf.kernel.progress import Reports, reporting
 from rwmf.run import simulation
-from rwmf.run.quantities import ORDINATES as QUANTITIES
-from rwmf.run.quantities import Quantity, ending_of, find_quantity
+from rwmf.run.quantities import ORDINATES, Quantity, ending_of, find_quantity
 from rwmf.sweeps.executors import count_threads
 
 _T = TypeVar("_T")
@@ -337,7 +336,7 @@ def equal_response(
     if period is None or period.value is None:
         raise InputError("equal response: the case needs &frame T_s, or a &wall that rocks alone")
     name = find_quantity(case, quantities, "equal response")
-    response = QUANTITIES[name]
+    response = ORDINATES[name]
     if name == "u_s_max" and case.frame is None:
         raise InputError(
             "equal response: u_s_max: a free-standing wall has no frame displacement; "

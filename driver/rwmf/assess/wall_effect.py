@@ -16,8 +16,7 @@ from rwmf.case.case import groups_of_wall
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import to_number
 from rwmf.motion.record_sets import RecordFile
-from rwmf.run.quantities import ORDINATES as QUANTITIES
-from rwmf.run.quantities import find_quantities
+from rwmf.run.quantities import ORDINATES, find_quantities
 from rwmf.run.simulation import NO_ACCURACY, simulate
 from rwmf.sweeps.axes import keys_of_axis, name_axes
 from rwmf.sweeps.computation import SweepOptions, sweep
@@ -140,7 +139,7 @@ def wall_effect(
         )
     usual = _RESPONSES if case.storeys is not None else _RESPONSES[:1]
     names = tuple(find_quantities(tuple(quantities or usual)))
-    of_wall = [name for name in names if QUANTITIES[name].group in groups_of_wall()]
+    of_wall = [name for name in names if ORDINATES[name].group in groups_of_wall()]
     if of_wall:
         raise InputError(f"wall effect: {of_wall[0]}: the frame alone has no such response")
     both = sweep(case, grid, records, quantities=names, **sweep_options)
@@ -154,7 +153,7 @@ def wall_effect(
     found: dict[str, xr.DataArray] = {}
     for name in names:
         response, plain = with_overturning(both, name), with_overturning(alone, name)
-        text = f"{QUANTITIES[name].meaning}: with the wall over without it"
+        text = f"{ORDINATES[name].meaning}: with the wall over without it"
         ratio = (response / plain).assign_attrs(units="1", long_name=text)
         found |= {f"{name}_ratio": ratio, name: response, f"{name}_alone": plain}
     attributes = both.attrs | {"quantities": " ".join(names)}

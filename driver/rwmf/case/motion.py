@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from rwmf.errors import InputError
+from rwmf.errors import InputError, placed
 from rwmf.kernel import files
 from rwmf.kernel.kernel_case import keep_samples
 from rwmf.kernel.marshalling import Memory
@@ -91,7 +91,7 @@ class Motion:
         if not isinstance(name, str) or not name.strip() or not name.isprintable():
             raise InputError(f"name = {show(name)} of a motion: must be printable text on one line")
         put("name", name)
-        try:
+        with placed(f"motion {name!r}: "):
             if not isinstance(unit, str) or unit not in UNITS:
                 raise InputError(f"unit = {show(unit)}: must be 'g', 'm/s2' or 'cm/s2'")
             if (dt is None) == (times is None):
@@ -105,8 +105,6 @@ class Motion:
             if self.values.size < 2:
                 raise InputError(f"{self.values.size} samples: must be at least 2")
             put("samples", keep_samples(self.values, self._times))
-        except InputError as error:
-            raise InputError(f"motion {name!r}: {error}") from None
 
     @classmethod
     def from_obspy(

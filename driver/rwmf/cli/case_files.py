@@ -94,61 +94,9 @@ _QUESTIONS: tuple[tuple[str, str, float, Callable[[str], float]], ...] = (
     ("width", "Width of the wall in m (0: no wall)?", 4.0, not_negative),
 )
 _HEIGHT = 3.2
-_BUILDING = """\
-! How far does a building of {storeys} storeys drift{beside}?
-!
-! Written by `rwmf new`. Change any number: `rwmf check` shows what follows from it, `rwmf run` the
-! response. docs/reference/namelist.md has every group and key.
-{wall}
-&frame
-   xi_s = 0.03 ! damping ratio of every mode
-/
-
-&storeys
-   n = {storeys}
-   m = {mass:.8g} ! kg, of each
-   height = {height} ! m
-   T_1 = {period:.8g} ! s: period of the frame alone; its stiffness follows
-   distribution = 'linear' ! of the stiffness over the height
-   coupling = {links}
-/
-{tendon}
-&motion ! a pulse; or kind = 'record', file = 'record.AT2'
-   kind = 'one_sine'
-   a_max_g = 0.3 ! g
-   T_p = {pulse:.4g} ! s
-/
-
-&solver
-   t_end = {t_end:.8g} ! s
-/
-"""
-_WALL = """
-&wall ! {top:g} m tall, {width:g} m wide, of reinforced concrete
-   h = {h:.8g} ! half height, m
-   b = {b:.8g} ! half width, m
-   thickness = 0.3 ! m
-   density = 2500.0 ! kg/m3
-   shear_key = .true. ! keeps the base from sliding
-/
-
-&bending ! the wall bends
-   E = 30.0e9 ! Pa
-   cracking = 0.5 ! stiffness left in cracked concrete
-   nu = 0.2 ! with shear
-   damping = 'stiffness'
-/
-"""
-_TENDON = """
-&cable ! strands of 15.7 mm on the axis of the wall
-   strands = {strands}
-   strand_area = 150.0e-6 ! m2
-   modulus = 195.0e9 ! Pa
-   initial_stress = 700.0e6 ! Pa
-   yield_stress = 1640.0e6 ! Pa
-   law = 'truss'
-/
-"""
+_TEMPLATE = Path(__file__).parent / "building.txt"
+# groups of the template that a building without a wall lacks
+_OF_WALL = ("&wall", "&bending", "&cable")
 
 
 def run_new(options: argparse.Namespace) -> None:
@@ -200,10 +148,10 @@ def _text(storeys: float, mass: float, period: float, width: float) -> str:
     values |= {"strands": max(1, round(weight / (2 * 150e-6 * 700e6))), "t_end": 10.0 * period}
     has_wall = width > 0
     links = "'springs' ! struts between floors and wall\n   k_link = 100.0e6 ! N/m"
-    text = _BUILDING.format(
+    blocks = _TEMPLATE.read_text(encoding="utf-8").split("\n\n")
+    kept = [block for block in blocks if has_wall or not block.startswith(_OF_WALL)]
+    text = "\n\n".join(kept).format(
         beside=" beside a rocking wall" if has_wall else "",
-        wall=_WALL.format(**values) if has_wall else "",
-        tendon=_TENDON.format(**values) if has_wall else "",
         links=links if has_wall else "'full'",
         **values,
     )

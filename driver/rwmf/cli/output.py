@@ -11,10 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from rwmf.case import Case
 from rwmf.errors import InputError, RwmfWarning
+from rwmf.kernel.numbers import to_json
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,7 +65,7 @@ def _is_csv(path: str) -> bool:
 def print_json(value: dict[str, Any], checks: Checks | None = None) -> None:
     """Print an object as JSON, with checks if there are any."""
     value = value if checks is None else value | {"checks": checks.to_dict()}
-    print(json.dumps(plain(value), indent=1, allow_nan=False))
+    print(json.dumps(to_json(value), indent=1, allow_nan=False))
 
 
 def print_warnings(path: str, lines: Iterable[str]) -> None:
@@ -88,19 +87,6 @@ def print_written(paths: Iterable[str | Path | None], *, is_json: bool = False) 
     """Print the paths of written files."""
     for path in filter(None, paths):
         print(f"written: {path}", file=sys.stderr if is_json else sys.stdout)
-
-
-def plain(value: object) -> object:
-    """Convert to JSON types; values that are not finite become null."""
-    if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    if isinstance(value, list):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 # columns of a table of derivatives

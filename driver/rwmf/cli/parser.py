@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rwmf._renamed import WORDS
+from rwmf._renamed import renamed
 from rwmf.cli.command_table import COMMANDS, GROUPS, Command
 from rwmf.kernel.names import shorten
 
@@ -40,7 +40,7 @@ class _Parser(argparse.ArgumentParser):
 
         word = word.split("=")[0]
         spelled = " ".join([*self.prog.split()[1:], word])
-        if new := WORDS.get(word if word.startswith("-") else spelled):
+        if new := renamed("words").get(word if word.startswith("-") else spelled):
             return f" (now: {new})"
         known = list(self._option_string_actions)
         for action in self._actions:

@@ -11,17 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rwmf.case import Case
-from rwmf.cli import run_many
-from rwmf.cli.output import (
-    check_words,
-    compare,
-    derivatives_by_name,
-    print_checks,
-    print_gradient,
-    print_json,
-    print_warnings,
-)
-from rwmf.errors import InputError
+from rwmf.cli import output, run_many
+from rwmf.errors import placed
 from rwmf.figures import image_files as figures
 from rwmf.figures import loops
 from rwmf.kernel import files, results, tables
@@ -52,7 +43,7 @@ def run(options: argparse.Namespace) -> int | list[str | Path | None]:
     outputs = [options.plot, options.loops, *(options.checks or ()), *found]
     files.check_outputs(outputs, case.inputs)
     figures.check_formats(options.plot, options.loops)
-    check_words(case, options.checks)
+    output.check_words(case, options.checks)
     if options.loops:
         loops.check_springs(case)
     before = {path: _place_of(path) for path in found}
@@ -64,19 +55,19 @@ def run(options: argparse.Namespace) -> int | list[str | Path | None]:
             _plot_history(case, result, options.plot)
         if options.loops:
             _plot_loops(case, result, options.loops)
-    print_warnings(options.case, summary["warnings"])
-    checks = compare(case, summary, options.checks)
+    output.print_warnings(options.case, summary["warnings"])
+    checks = output.compare(case, summary, options.checks)
     slopes = _derivatives(case, options.case)
     if options.json:
         if slopes is not None:
-            summary |= derivatives_by_name(slopes)
-        print_json(summary, checks)
+            summary |= output.derivatives_by_name(slopes)
+        output.print_json(summary, checks)
     else:
         digits = _digits(summary, _tolerance_of(case, summary))
         _print_table(case, summary, digits, is_all=options.all)
-        print_checks(checks, is_all=options.all)
+        output.print_checks(checks, is_all=options.all)
         if slopes is not None:
-            print_gradient(slopes)
+            output.print_gradient(slopes)
     # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
     return [*new, options.plot, options.loops, *(options.checks or ())]
@@ -89,10 +80,8 @@ def _derivatives(case: Case, source: str) -> xr.Dataset | None:
     # imported here: a run without derivatives does not load xarray
     from rwmf.assess.gradient import gradient
 
-    try:
+    with placed(f"{source}, &sensitivity: "):
         return gradient(case)
-    except InputError as error:
-        raise InputError(f"{source}, &sensitivity: {error}") from None
 
 
 def _place_of(path: Path) -> tuple[int, int] | None:
@@ -125,8 +114,8 @@ def _plot_loops(case: Case, result: results.Run, path: str) -> None:
     fine = max(case.solver.t_end / _LOOP_POINTS, np.finfo(float).tiny)
     if "time" not in dataset.coords or case.output.dt > fine:
         # the shears of storeys are among the reactions
-        output = {"dt": fine, "reactions": True, "conditioning": False}
-        dataset = simulation.simulate(case.replace(output=output))
+        wanted = {"dt": fine, "reactions": True, "conditioning": False}
+        dataset = simulation.simulate(case.replace(output=wanted))
     figures.save_loops(dataset, case, path)
 
 

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from rwmf.case import Case
-from rwmf.cli.output import plain, print_warnings, print_written
+from rwmf.cli.output import print_warnings, print_written
 from rwmf.errors import InputError, Interrupted, RwmfError
 from rwmf.kernel import files
 from rwmf.kernel.names import shorten
+from rwmf.kernel.numbers import to_json
 from rwmf.kernel.progress import progress
 from rwmf.run import simulation
 from rwmf.run.quantities import ending_of, find
@@ -111,7 +112,7 @@ def _value(key: str, cell: str) -> object:
 
 
 def _lines(rows: list[Row]) -> str:
-    return "".join(f"{json.dumps(plain(row), allow_nan=False)}\n" for row in rows)
+    return "".join(f"{json.dumps(to_json(row), allow_nan=False)}\n" for row in rows)
 
 
 def _write(rows: list[Row], path: Path) -> None:

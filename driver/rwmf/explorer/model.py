@@ -36,7 +36,7 @@ from rwmf.explorer.questions import (
 from rwmf.figures import levels, loops
 from rwmf.figures.film import ground_displacement
 from rwmf.kernel import results, tables
-from rwmf.kernel.numbers import Array
+from rwmf.kernel.numbers import Array, to_json
 from rwmf.motion.records import RECORDS
 from rwmf.run.headline import headline_rows, rows_by_title, tendon_yield_of
 from rwmf.run.quantities import ENDINGS, Quantity, find
@@ -341,7 +341,7 @@ class Model:
         from rwmf.assess.cost import cost
 
         found = cost(self._case_of(question), progress=report)
-        return dict(_plain(found.to_dict()))
+        return dict(to_json(found.to_dict()))
 
     def add_record(self, number: str, unit: str | None, dt: float | None) -> dict[str, Any]:
         """Check a record uploaded by the page."""
@@ -623,14 +623,3 @@ def _grid(case: Case, points: int) -> Array:
     if group.get("spacing") == "log":
         return np.geomspace(low, high, points)
     return np.linspace(low, high, points)
-
-
-def _plain(value: object) -> Any:  # noqa: ANN401 (JSON has several types)
-    """Convert a value for JSON; numbers that are not finite become None."""
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -121,6 +121,10 @@ _HEADERS = {
 }
 
 
+# status of an answer by the error
+_STATUSES = {BadQuestionError: 400, RwmfError: 422, BusyError: 503, BrokenError: 500}
+
+
 class _GoneError(Exception):
     """The client has closed the connection."""
 
@@ -307,14 +311,9 @@ class _Handler(BaseHTTPRequestHandler):
             serve()
         except _RefusedError as error:
             self._fail(error.status, str(error))
-        except BadQuestionError as error:
-            self._fail(400, str(error))
-        except RwmfError as error:
-            self._fail(422, str(error))
-        except BusyError as error:
-            self._fail(503, str(error))
-        except BrokenError as error:
-            self._fail(500, str(error))
+        except tuple(_STATUSES) as error:
+            kinds = (kind for kind in _STATUSES if isinstance(error, kind))
+            self._fail(_STATUSES[next(kinds)], str(error))
         except (_GoneError, ConnectionError, TimeoutError):
             self.close_connection = True
         except Exception as error:
@@ -456,7 +455,7 @@ class _Handler(BaseHTTPRequestHandler):
 
         try:
             self._line(b'{"result": ' + compute(report) + b"}")
-        except (RwmfError, BadQuestionError, BusyError, BrokenError) as error:
+        except tuple(_STATUSES) as error:
             self._line(encode({"error": str(error)}))
 
     def _line(self, text: bytes) -> None:

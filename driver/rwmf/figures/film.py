@@ -14,17 +14,8 @@ import numpy as np
 from rwmf.case import Case
 from rwmf.case.elements import height_of_frame
 from rwmf.errors import InputError, OutputError
+from rwmf.figures import levels
 from rwmf.figures.histories import members
-from rwmf.figures.levels import (
-    COLOURS_OF,
-    Line,
-    axes_of,
-    levels_of_frame,
-    levels_of_storeys,
-    lines_of,
-    mode_shapes,
-    outermost,
-)
 from rwmf.figures.styles import COLOURS, GREY, INK, PALE, new_figure
 from rwmf.kernel import files
 from rwmf.kernel.numbers import Array, Truths
@@ -79,23 +70,23 @@ def find_building(case: Case, dataset: xr.Dataset) -> Building | None:
     if case.frame is None:
         return None
     if case.storeys is None:
-        levels = np.array([(2 * case.wall.h if case.wall else height_of_frame(case)) or _NOMINAL])
+        floors = np.array([(2 * case.wall.h if case.wall else height_of_frame(case)) or _NOMINAL])
         drifts = dataset["u_s"].values[np.newaxis]
-        first, heights = levels_of_frame(dataset, case).first_yield, np.ones(1)
+        first, heights = levels.levels_of_frame(dataset, case).first_yield, np.ones(1)
     else:
         drifts = np.array([dataset[name].values for name in members(dataset, "storey_{i}_drift")])
         heights = np.broadcast_to(np.array(case.storeys.height, dtype=float), len(drifts))
-        levels = np.cumsum(heights)
-        first = levels_of_storeys(dataset, case, len(drifts)).first_yield
+        floors = np.cumsum(heights)
+        first = levels.levels_of_storeys(dataset, case, len(drifts)).first_yield
     sway = np.cumsum(drifts * heights[:, np.newaxis], axis=0)
     has_yielded = np.zeros(drifts.shape, dtype=bool)
     if first.size == len(drifts):
         beyond = np.abs(drifts) > first[:, np.newaxis]
         has_yielded = np.logical_or.accumulate(beyond, axis=1)
-    linked = np.full(levels.size, case.wall is not None)
+    linked = np.full(floors.size, case.wall is not None)
     if case.storeys is None or case.storeys.coupling not in ("every_floor", "springs"):
         linked[:-1] = False
-    return Building(levels, sway, has_yielded, linked)
+    return Building(floors, sway, has_yielded, linked)
 
 
 class BuildingLines:
@@ -334,7 +325,7 @@ def _deflections(case: Case, dataset: xr.Dataset, share: Array) -> Array:
         return np.zeros((share.size, dataset.sizes["time"]))
     numbers = range(1, case.bending.modes + 1)
     modes = np.array([dataset[f"q_{i}"].values for i in numbers])
-    found: Array = mode_shapes(case, share) @ modes
+    found: Array = levels.mode_shapes(case, share) @ modes
     return found
 
 
@@ -463,7 +454,7 @@ def _feet(case: Case, building: Building) -> Array:
     """Return the positions of both columns [m]: left of the wall, or in the middle."""
     if case.wall is None:
         return float(building.levels[-1]) * np.array([-0.3, 0.3])
-    feet: Array = outermost(case)[0] - case.wall.h * np.array([2.0, 1.0])
+    feet: Array = levels.outermost(case)[0] - case.wall.h * np.array([2.0, 1.0])
     return feet
 
 
@@ -473,7 +464,7 @@ def _frame_scene(ax: Axes, case: Case, building: Building | None, moves: Array) 
         2 * case.wall.h if case.wall is not None else 0.0,
         float(building.levels[-1]) if building is not None else 0.0,
     )
-    sides = [] if case.wall is None else [*outermost(case)]
+    sides = [] if case.wall is None else [*levels.outermost(case)]
     sides += [] if building is None else [*_feet(case, building)]
     left = min(sides) + float(moves.min()) - 0.08 * height
     right = max(sides) + float(moves.max()) + 0.08 * height
@@ -495,11 +486,11 @@ def _wall(
     h, b, is_pinned = case.wall.h, case.wall.b, case.wall.base == "pinned"
     share = _FACE if case.bending is not None else _FACE[[0, -1]]
     bent = scale.deflection * _deflections(case, dataset, share)
-    axes, rods = axes_of(case), _by_kind(lines_of(case))
+    axes, rods = levels.axes_of(case), _by_kind(levels.lines_of(case))
     walls = [ax.fill([0], [0], facecolor=PALE, edgecolor=INK, zorder=3)[0] for _ in axes]
     drawn = {
         kind: ax.plot(
-            [], [], color=COLOURS[COLOURS_OF[kind]] if kind in COLOURS_OF else GREY,
+            [], [], color=COLOURS[levels.COLOURS_OF[kind]] if kind in levels.COLOURS_OF else GREY,
             linewidth=1.2 if kind == "cable" else 2.0, zorder=4,
         )[0]
         for kind in rods
@@ -582,9 +573,9 @@ def _pressure(
     return move
 
 
-def _by_kind(lines: list[Line]) -> dict[str, list[Line]]:
+def _by_kind(lines: list[levels.Line]) -> dict[str, list[levels.Line]]:
     """Sort lines by their kind."""
-    found: dict[str, list[Line]] = {}
+    found: dict[str, list[levels.Line]] = {}
     for line in lines:
         found.setdefault(line.kind, []).append(line)
     return found

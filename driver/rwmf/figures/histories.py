@@ -23,31 +23,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# default panels of `history` from top to bottom; {i} means every floor or storey
-PANELS = (
-    "u_g_ddot",
-    "v_g_ddot",
-    "theta",
-    "theta_dot",
-    "u_s",
-    "floor_{i}",
-    "storey_{i}_drift",
-    "floor_{i}_acceleration_g",
-    "cable_force_over_m_w_g",
-    "contact_length",
-    "base_height",
-    "base_slip",
-    "frame_force_over_m_s_g",
-    "fuse_left_force_over_m_w_g",
-    "fuse_right_force_over_m_w_g",
-)
-# labels of panels; other variables have the meaning in their attributes
-_WORDS = {
+# default panels of `history` from top to bottom, with their labels; {i} means every floor or storey
+PANELS = {
+    "u_g_ddot": r"ground acceleration $\ddot u_g$",
+    "v_g_ddot": r"vertical acceleration $\ddot v_g$",
     "theta": r"wall rotation $\theta$",
     "theta_dot": r"angular velocity $\dot\theta$",
     "u_s": "frame displacement $u_s$",
-    "u_g_ddot": r"ground acceleration $\ddot u_g$",
-    "v_g_ddot": r"vertical acceleration $\ddot v_g$",
     "floor_{i}": "floor displacement $u_i$",
     "storey_{i}_drift": "interstorey drift (%)",
     "floor_{i}_acceleration_g": "floor acceleration (g)",
@@ -58,6 +40,9 @@ _WORDS = {
     "frame_force_over_m_s_g": "frame force $F_s/(m_sg)$",
     "fuse_left_force_over_m_w_g": "left fuse $F_l/(m_wg)$",
     "fuse_right_force_over_m_w_g": "right fuse $F_r/(m_wg)$",
+}
+# labels of panels; other variables have the meaning in their attributes
+_WORDS = PANELS | {
     "cable_force": "tendon force $P$",
     "frame_force": "frame force $F_s$",
     "fuse_left_force": "left fuse $F_l$",

@@ -107,14 +107,24 @@ def envelope(
         look = {"color": COLOURS[0], "marker": MARKERS[0], "markersize": 3} | line
         _draw_band(ax, factor * values, np.array([s.z for s in sections]), look)
         _mark_largest(ax, dataset, name.format("").replace("__", "_"), (unit, factor), look)
-        ax.set_xlabel(over_weight if unit else in_newtons)
-        ax.autoscale(axis="x")
-        ax.set_xlim(left=0)
-        ax.set_ylim(0, 1.02 * top)
-        ax.set_yticks([0.0, *heights[:: 1 + len(heights) // 8]])
-    panels[0].set_ylabel("height above the base (m)")
+        ticks = [0.0, *heights[:: 1 + len(heights) // 8]]
+        _finish(ax, over_weight if unit else in_newtons, 1.02 * top, ticks)
+    return _named(panels, "height above the base (m)", 1)
+
+
+def _finish(ax: Axes, label: str, top: float, ticks: Sequence[float]) -> None:
+    """Label a panel over the height."""
+    ax.set_xlabel(label)
+    # range of everything drawn, including earlier calls
+    ax.autoscale(axis="x")
+    ax.set(xlim=(0, None), ylim=(0, top), yticks=ticks)
+
+
+def _named(panels: Panels, label: str, columns: int) -> Panels:
+    """Label the height, and what is drawn if it has names."""
+    panels[0].set_ylabel(label)
     if panels[0].get_legend_handles_labels()[1]:
-        legend_above(panels[0], 1, is_tight=True)
+        legend_above(panels[0], columns, is_tight=True)
     return panels
 
 
@@ -256,16 +266,8 @@ def profile(
             _draw_storeys(ax, factor * values, line_style | {"marker": None})
         if name == _DRIFTS:
             _draw_beside_drifts(ax, dataset, case, line_style | {"marker": None})
-        ax.set_xlabel(label)
-        # range of everything drawn, including earlier calls
-        ax.autoscale(axis="x")
-        ax.set_xlim(left=0)
-        ax.set_ylim(0, values.size)
-        ax.set_yticks(np.arange(0, values.size + 1, 1 + values.size // 8))
-    panels[0].set_ylabel("floor")
-    if panels[0].get_legend_handles_labels()[1]:
-        legend_above(panels[0], 2, is_tight=True)
-    return panels
+        _finish(ax, label, values.size, range(0, values.size + 1, 1 + values.size // 8))
+    return _named(panels, "floor", 2)
 
 
 def demands_of(dataset: xr.Dataset) -> list[str]:

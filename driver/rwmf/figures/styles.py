@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,6 +34,7 @@ WIDTH = 7.4
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 INK, GREY, FAINT, PALE, PAPER = "black", "0.4", "0.65", "0.9", "white"
+_STYLE = Path(__file__).with_name("rwmf.mplstyle")
 # dashes: lines drawn later have wider gaps, which show the lines below
 _DASHES = ("-", (0, (5, 1.5)), (0, (6, 3, 1.5, 3)), (0, (3, 2)), (0, (7, 6)), (0, (2, 3)))
 _WIDEST, _NARROWEST, _STEP, _SINGLE = 3.0, 1.1, 0.6, 1.4
@@ -75,31 +77,11 @@ def style() -> dict[RcKeyType, Any]:
     dict
         Names and values of matplotlib's settings.
     """
+    import matplotlib
     from cycler import cycler
 
-    return {
-        "figure.dpi": 110,
-        "savefig.dpi": 200,
-        "font.size": 9,
-        "axes.titlesize": 9,
-        "axes.labelsize": 9,
-        "xtick.labelsize": 9,
-        "ytick.labelsize": 9,
-        "legend.fontsize": 9,
-        "legend.title_fontsize": 9,
-        "legend.handlelength": 2.8,
-        "axes.titlelocation": "left",
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "axes.grid": True,
-        "axes.axisbelow": True,
-        "axes.prop_cycle": cycler(color=COLOURS),
-        "grid.color": PALE,
-        "grid.linewidth": 0.6,
-        "lines.linewidth": _SINGLE,
-        "legend.frameon": False,
-        "svg.hashsalt": "rwmf",
-    }
+    own = matplotlib.rc_params_from_file(_STYLE, use_default_template=False)
+    return {**own, "axes.prop_cycle": cycler(color=COLOURS)}
 
 
 @contextmanager

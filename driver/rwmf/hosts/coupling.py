@@ -10,7 +10,7 @@ import numpy as np
 
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
-from rwmf.errors import InputError, NumericalError, warn
+from rwmf.errors import InputError, NumericalError, placed, warn
 from rwmf.hosts.element import Element, ElementEvent
 from rwmf.hosts.partner import (
     CoupledRun,
@@ -224,12 +224,10 @@ def _at_heights(case: Case, heights: Array) -> Case:
     """Return a case whose element has its links at heights [m]."""
     storeys = {"n": len(heights), "m": 1.0, "k": 1.0, "coupling": "every_floor"}
     alone = case.without(*(name for name in _FRAME if getattr(case, name) is not None))
-    try:
+    with placed(f"heights = {show(heights.tolist())}: "):
         return alone.replace(
             frame={"xi_s": 0.0}, storeys=storeys | {"height": np.diff(heights, prepend=0).tolist()}
         )
-    except InputError as error:
-        raise InputError(f"heights = {show(heights.tolist())}: {error}") from None
 
 
 def _compare(case: Case, heights: Array, links: int, shares: Array) -> None:

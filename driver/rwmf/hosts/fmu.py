@@ -208,45 +208,29 @@ _BASE = {
 def model_description(case: Case, variables: list[Variable], token: str) -> bytes:
     """Write ``modelDescription.xml``."""
     name = xml_text(Path(case.source).stem) if case.source else "case"
-    root = Xml.Element(
-        "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=name,
-        instantiationToken=token,
-        description="Scene with " + ", ".join(case.kernel.inventory()["effects"]),
-        license="BSD-3-Clause, and the licences of documentation/licenses",
-        generationTool=f"rwmf {tables.version()}",
-        variableNamingConvention="flat",
-    )
-    _co_simulation(root)
-    _units(root, variables)
-    categories = Xml.SubElement(root, "LogCategories")
-    Xml.SubElement(categories, "Category", name="logStatusError", description="reasons of errors")
-    _experiment(root, case)
-    _variables(root, variables)
-    _structure(root, variables)
+    root = Xml.fromstring(files("rwmf.hosts").joinpath("fmu_description.xml").read_text("utf-8"))
+    facts = {
+        "modelName": name,
+        "instantiationToken": token,
+        "description": "Scene with " + ", ".join(case.kernel.inventory()["effects"]),
+        "generationTool": f"rwmf {tables.version()}",
+    }
+    root.attrib.update(facts)
+    _units(_part(root, "UnitDefinitions"), variables)
+    _experiment(_part(root, "DefaultExperiment"), case)
+    _variables(_part(root, "ModelVariables"), variables)
+    _structure(_part(root, "ModelStructure"), variables)
     Xml.indent(root)
     text: bytes = Xml.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
 
 
-def _co_simulation(root: Xml.Element) -> None:
-    Xml.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=IDENTIFIER,
-        canGetAndSetFMUState="true",
-        canSerializeFMUState="false",
-        canHandleVariableCommunicationStepSize="true",
-        providesIntermediateUpdate="true",
-        mightReturnEarlyFromDoStep="true",
-        canReturnEarlyAfterIntermediateUpdate="true",
-        hasEventMode="true",
-    )
+def _part(root: Xml.Element, name: str) -> Xml.Element:
+    (found,) = root.findall(name)
+    return found
 
 
-def _units(root: Xml.Element, variables: list[Variable]) -> None:
-    definitions = Xml.SubElement(root, "UnitDefinitions")
+def _units(definitions: Xml.Element, variables: list[Variable]) -> None:
     for unit in sorted({"s", *(v.unit for v in variables if v.unit)}):
         element = Xml.SubElement(definitions, "Unit", name=unit)
         exponents = _exponents(unit)
@@ -268,22 +252,15 @@ def _exponents(unit: str) -> Mapping[str, int] | None:
     return {base: power for base, power in found.items() if power}
 
 
-def _experiment(root: Xml.Element, case: Case) -> None:
-    facts = {"startTime": "0"}
+def _experiment(experiment: Xml.Element, case: Case) -> None:
     if case.solver is not None and case.solver.t_end is not None:
-        facts["stopTime"] = repr(float(case.solver.t_end))
+        experiment.set("stopTime", repr(float(case.solver.t_end)))
     step = None if case.motion is None else case.motion.get("dt")
     if step is not None:
-        facts["stepSize"] = repr(float(str(step)))
-    Xml.SubElement(root, "DefaultExperiment", facts)
+        experiment.set("stepSize", repr(float(str(step))))
 
 
-def _variables(root: Xml.Element, variables: list[Variable]) -> None:
-    listed = Xml.SubElement(root, "ModelVariables")
-    Xml.SubElement(
-        listed, "Float64", name="time", valueReference="0", causality="independent",
-        variability="continuous", unit="s", description="time",
-    )  # fmt: skip
+def _variables(listed: Xml.Element, variables: list[Variable]) -> None:
     for reference, variable in enumerate(variables, 1):
         facts = {
             "name": variable.name,
@@ -312,8 +289,7 @@ def _start(variable: Variable) -> str:
     return str(int(variable.start)) if variable.type == "i" else repr(variable.start)
 
 
-def _structure(root: Xml.Element, variables: list[Variable]) -> None:
-    structure = Xml.SubElement(root, "ModelStructure")
+def _structure(structure: Xml.Element, variables: list[Variable]) -> None:
     references = [str(i) for i, variable in enumerate(variables, 1) if variable.is_output]
     for kind in ("Output", "InitialUnknown"):
         for reference in references:

@@ -36,22 +36,6 @@ _STRIPS = 60
 _RADIANS = 0.02
 # length of a link that remains horizontal [m]
 _LONG = 100.0
-_HEAD = '''"""Building of {source}, written by `rwmf export opensees`.
-
-`python FILE [ANSWER.json]` needs openseespy alone. It prints the largest demands with the names of
-rwmf, and writes them into ANSWER.json. Units: N, kg, m, s{scale}.
-
-Differences from rwmf:
-{notes}
-"""
-
-import json
-import math
-import sys
-
-import openseespy.opensees as ops
-
-'''
 
 
 def opensees_script(case: Case) -> str:
@@ -108,8 +92,11 @@ class _Script:
         self._start()
         self._motion()
         has_mass = self.case.wall is None or self.case.wall.get("m_w") is not None
-        analysis = files("rwmf.hosts").joinpath("opensees_analysis.txt").read_text("utf-8")
-        head = _HEAD.format(
+        head, analysis = (
+            files("rwmf.hosts").joinpath(f"opensees_{part}.txt").read_text("utf-8")
+            for part in ("head", "analysis")
+        )
+        head = head.format(
             # as in a string of Python, in ASCII: the name of a file must not end the docstring
             source=json.dumps(self.case.label)[1:-1],
             scale="" if has_mass else "; masses and forces over the mass of the wall",

@@ -346,17 +346,9 @@ def _frame(case: Case, m_w: float) -> Frame:
         height = (_number(p_delta.get("h_f")) if p_delta is not None else 0.0) or 2 * (
             case.wall.h if case.wall is not None else 0.5
         )
-        return Frame(
-            coupling="single",
-            m=np.array([mass]),
-            height=np.array([height]),
-            share=np.ones(1),
-            push=np.array([mass]),
-            laws=[_law(case, mass * omega**2, _yield_of(case))],
-            c=np.array([[2 * frame.xi_s * omega * mass]]),
-            lean=np.array([mass * weight / height]),
-            floor_heights=np.array([height]),
-        )
+        heights = np.array([height])
+        lean = mass * weight / height
+        return _of_one_mass(case, "single", mass, omega, np.ones(1), mass, lean, heights)
     unit = m_w or 1.0
     if not m_w and "m_over_m_w" in storeys.in_si:
         masses = cast("tuple[float, ...]", storeys.in_si["m_over_m_w"][0])
@@ -382,18 +374,8 @@ def _storeys(case: Case, unit: float, weight: float) -> Frame:
         share /= share[-1]
         mass = float(m @ share**2)
         leaning = float(share @ drift.T @ np.diag(lean) @ drift @ share)
-        u_y = _yield_of(case)
-        return Frame(
-            coupling="reduced",
-            m=np.array([mass]),
-            height=np.array([heights.sum()]),
-            share=share,
-            push=np.array([float(m @ share)]),
-            laws=[_law(case, mass * squares[0], u_y)],
-            c=np.array([[2 * xi * math.sqrt(squares[0]) * mass]]),
-            lean=np.array([leaning]),
-            floor_heights=heights,
-        )
+        omega, push = math.sqrt(squares[0]), float(m @ share)
+        return _of_one_mass(case, "reduced", mass, omega, share, push, leaning, heights)
     if storeys.coupling == "every_floor" and case.wall is not None:
         line = np.cumsum(heights) / heights.sum()
         c = 2 * xi / math.sqrt(line @ stiff @ line / (m @ line**2)) * stiff
@@ -414,6 +396,30 @@ def _storeys(case: Case, unit: float, weight: float) -> Frame:
         lean=lean,
         floor_heights=heights,
         k_link=k_link,
+    )
+
+
+def _of_one_mass(
+    case: Case,
+    coupling: str,
+    mass: float,
+    omega: float,
+    share: Array,
+    push: float,
+    lean: float,
+    heights: Array,
+) -> Frame:
+    """Describe a frame that one displacement moves."""
+    return Frame(
+        coupling=coupling,
+        m=np.array([mass]),
+        height=np.array([heights.sum()]),
+        share=share,
+        push=np.array([push]),
+        laws=[_law(case, mass * omega**2, _yield_of(case))],
+        c=np.array([[2 * case.frame.xi_s * omega * mass]]),
+        lean=np.array([lean]),
+        floor_heights=heights,
     )
 
 

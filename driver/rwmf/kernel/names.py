@@ -5,8 +5,12 @@ from __future__ import annotations
 import os
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
+
+from rwmf.errors import InputError
 
 _T = TypeVar("_T")
 
@@ -81,3 +85,12 @@ def how_to_install(purpose: str) -> str:
     else:
         words = (f"rwmf[{purpose}]",)
     return f"{shlex.quote(sys.executable)} -m pip install {' '.join(map(shlex.quote, words))}"
+
+
+@contextmanager
+def needed(purpose: str, text: str) -> Iterator[None]:
+    """Name the missing package of an import, after a text about its need, and its installation."""
+    try:
+        yield
+    except ImportError as error:
+        raise InputError(f"{text} ({error}): {how_to_install(purpose)}") from error

@@ -196,3 +196,14 @@ def first_masked(values: object) -> int | None:
             if isinstance(item, np.ma.MaskedArray) and np.ma.is_masked(item):
                 return i
     return None
+
+
+def to_json(value: object) -> Any:  # noqa: ANN401 (JSON has several types)
+    """Convert to JSON types; values that are not finite become null."""
+    if isinstance(value, dict):
+        return {key: to_json(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, list):
+        return [to_json(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

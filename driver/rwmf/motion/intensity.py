@@ -14,7 +14,7 @@ import numpy as np
 
 from rwmf.case import Case, Motion
 from rwmf.case.arguments import checked
-from rwmf.errors import InputError, did_you_mean
+from rwmf.errors import InputError, did_you_mean, placed
 from rwmf.kernel.numbers import Array, show, to_array, to_number
 from rwmf.motion.record_sets import RecordFile, find_records, read_bytes, read_channels
 from rwmf.motion.waveform import (
@@ -409,10 +409,8 @@ def scale_to_one(
     g = float(case.model.g)
     found = []
     for record in records:
-        try:
+        with placed("intensity: "):
             value = measure.of(waveform_of_record(record, g), g) / (g if measure.is_over_g else 1)
-        except InputError as error:
-            raise InputError(f"intensity: {error}") from error
         if not 0 < value < math.inf:
             raise InputError(f"{record.path or record.name}: has no intensity that could be scaled")
         scale = record.scale * value ** (-1 / measure.power)

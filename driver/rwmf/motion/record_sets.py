@@ -23,9 +23,9 @@ import numpy as np
 from rwmf.case import Motion
 from rwmf.case.arguments import checked
 from rwmf.case.namelist import Value
-from rwmf.errors import InputError, warn
+from rwmf.errors import InputError, placed, warn
 from rwmf.kernel import files, tables
-from rwmf.kernel.names import how_to_install, problem_of_name, shorten
+from rwmf.kernel.names import how_to_install, needed, problem_of_name, shorten
 from rwmf.kernel.numbers import show, to_number
 from rwmf.kernel.tables import read_record_header
 from rwmf.motion import formats
@@ -167,7 +167,7 @@ def read_channels(
     dialect, read = next(
         ((name, read) for name, mark, read in _DIALECTS if re.search(mark, text)), ("", None)
     )
-    try:
+    with placed(f"records: {path}: {dialect and f'{dialect}: '}"):
         if read is None:
             return _read_plain(path.stem, content, unit, dt, is_any)
         if unit is not None or dt is not None:
@@ -176,9 +176,6 @@ def read_channels(
                 f"the file ({dialect}) gives unit and interval: {key} must not be given"
             )
         return read(_lines(content), path.stem)
-    except InputError as error:
-        place = "" if read is None else f"{dialect}: "
-        raise InputError(f"records: {path}: {place}{error}") from error
 
 
 def _read_plain(
@@ -268,14 +265,12 @@ def read_list(path: Path, content: bytes) -> list[Entry] | None:
     at, kind = found
     lines = content.decode("utf-8-sig", errors="surrogateescape").splitlines()
     mark = separator_of(lines[at])
-    try:
+    with placed(f"records: {path}: "):
         names = [_plain(name) for name in _cells(lines[at], mark)]
         columns = _columns(names, kind, at + 1)
         rows = _own_rows(lines, at, mark) if kind is _OWN else _rows(lines, at, mark, kind)
         _check_rows(rows, len(names))
         return _entries(path, kind, columns, rows, mark)
-    except InputError as error:
-        raise InputError(f"records: {path}: {error}") from error
 
 
 def separator_of(line: str) -> str:
@@ -396,10 +391,8 @@ def _entries(
         if not names:
             raise InputError(f"line {line}: names no file of a horizontal component")
         key = "factor" if kind is _OWN else "Scale Factor"
-        try:
+        with placed(f"line {line}: "):
             number = header_number(key, decimal_point(cells[columns["factor"]], mark))
-        except InputError as error:
-            raise InputError(f"line {line}: {error}") from error
         title = cells[columns["set"]] if "set" in columns else ""
         found += [Entry(_file(path.parent, name, line), number, title) for name in names]
     if not found:
@@ -465,15 +458,11 @@ def _find_package(word: str) -> Path:
 
 
 def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float]]:
-    try:
+    with needed("suites", f"records: fema:{name} needs h5py and hdf5plugin"):
         import h5py
 
         # registers the compression filter of the package's files
         import hdf5plugin  # noqa: F401
-    except ImportError as error:
-        raise InputError(
-            f"records: fema:{name} needs h5py and hdf5plugin ({error}): {how_to_install('suites')}"
-        ) from error
 
     version = importlib.metadata.version(_FEMA_PACKAGE)
     folder = _cache() / f"{_FEMA_PACKAGE}-{version}" / name / variant

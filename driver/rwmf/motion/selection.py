@@ -13,7 +13,7 @@ import numpy as np
 
 from rwmf.case import Motion
 from rwmf.case.arguments import checked
-from rwmf.errors import InputError, warn
+from rwmf.errors import InputError, placed, warn
 from rwmf.kernel import files
 from rwmf.kernel.files import path_of
 from rwmf.kernel.names import shorten
@@ -147,18 +147,13 @@ def read_target(path: Path, damping: float) -> Array:
     lines = read_bytes(path).decode("utf-8-sig", errors="surrogateescape").splitlines()
     number = re.compile(r"\s*[\"']?[-+]?\.?\d")
     first = next((i for i, line in enumerate(lines) if number.match(line)), len(lines))
-    try:
+    with placed(f"target: {path}, "):
         names, at = _names_above(lines[:first], damping)
         table = _numbers(lines, first)
-    except InputError as error:
-        raise InputError(f"target: {path}, {error}") from error
     if not table:
         raise InputError(f"target: {path}: {_FORM}")
-    try:
+    with placed(f"target: {path}, {'' if names is None else f'line {at}: '}"):
         return _converted(table, names)
-    except InputError as error:
-        place = "" if names is None else f"line {at}: "
-        raise InputError(f"target: {path}, {place}{error}") from error
 
 
 def _names_above(

@@ -28,21 +28,14 @@ LEVELS = ("storey", "floor", "mode", "tendon", "fuse", "restraint")
 OWN = {
     "roof_drift": ("roof_drift", "1", "displacement of the roof over its height"),
     "roof_displacement_m": ("roof_displacement", "m", "displacement of the roof"),
-    "energy_stored_J_per_kg": (
-        "energy_stored",
-        "J/kg",
-        "energy of springs, cable, wall and weights, over the reference mass",
-    ),
-    "energy_work_J_per_kg": (
-        "energy_work",
-        "J/kg",
-        "work of the load along the path, over the reference mass",
-    ),
-    "energy_released_J_per_kg": (
-        "energy_released",
-        "J/kg",
-        "energy that jumps of free floors would give to motion, over the reference mass",
-    ),
+    **{
+        f"energy_{name}_J_per_kg": (f"energy_{name}", "J/kg", f"{text}, over the reference mass")
+        for name, text in (
+            ("stored", "energy of springs, cable, wall and weights"),
+            ("work", "work of the load along the path"),
+            ("released", "energy that jumps of free floors would give to motion"),
+        )
+    },
 }
 
 

@@ -32,7 +32,7 @@ from rwmf.kernel import files
 from rwmf.kernel.files import path_of
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.motion.record_sets import RecordFile
-from rwmf.run.quantities import ORDINATES as QUANTITIES
+from rwmf.run.quantities import ORDINATES
 from rwmf.sweeps import netcdf
 from rwmf.sweeps.axes import Layout, difference
 from rwmf.sweeps.executors import count_threads, run_in_threads, run_on
@@ -585,6 +585,6 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
         labels["long_name"] = item.meaning
         dataset.coords[item.name] = (item.dimension, layout.labels(item), labels)
     for name in layout.quantities:
-        dataset[name] = (layout.dims, arrays[name], QUANTITIES[name].attributes)
+        dataset[name] = (layout.dims, arrays[name], ORDINATES[name].attributes)
     dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
     return dataset

@@ -16,7 +16,7 @@ from concurrent.futures import (
 from contextlib import contextmanager
 
 from rwmf.errors import InputError
-from rwmf.kernel.names import how_to_install
+from rwmf.kernel.names import needed
 from rwmf.kernel.results import check_threads
 from rwmf.sweeps.plan import Chunk, Task, run_task
 
@@ -162,19 +162,8 @@ def _processes(_: str, workers: int) -> Iterator[Executor]:
 
 
 @contextmanager
-def _needed(engine: str, package: str) -> Iterator[None]:
-    """Name the package that an engine lacks."""
-    try:
-        yield
-    except ImportError as error:
-        raise InputError(
-            f"engine {engine}: needs the package {package} ({error}): {how_to_install(engine)}"
-        ) from error
-
-
-@contextmanager
 def _mpi(_: str, __: int) -> Iterator[Executor]:
-    with _needed("mpi", "mpi4py and an MPI"):
+    with needed("mpi", "engine mpi: needs the package mpi4py and an MPI"):
         from mpi4py.futures import MPIPoolExecutor
     with MPIPoolExecutor() as executor:
         yield executor
@@ -182,7 +171,7 @@ def _mpi(_: str, __: int) -> Iterator[Executor]:
 
 @contextmanager
 def _dask(address: str, workers: int) -> Iterator[Executor]:
-    with _needed("dask", "distributed"):
+    with needed("dask", "engine dask: needs the package distributed"):
         from distributed import Client
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
     try:

@@ -17,9 +17,9 @@ import numpy.typing as npt
 
 from rwmf.errors import InputError
 from rwmf.kernel.files import new_file
-from rwmf.kernel.names import how_to_install, readable
+from rwmf.kernel.names import needed, readable
 from rwmf.run import quantities
-from rwmf.run.quantities import ORDINATES as QUANTITIES
+from rwmf.run.quantities import ORDINATES
 from rwmf.sweeps.axes import POINT, Coordinate, Layout, Scenes
 from rwmf.sweeps.plan import Chunk
 
@@ -37,13 +37,9 @@ _LEVEL = 4
 
 def check_package() -> None:
     """Check for missing packages before the computation."""
-    try:
+    with needed("netcdf", "a NetCDF file needs h5netcdf and h5py"):
         import h5netcdf
         import h5py
-    except ImportError as error:
-        raise InputError(
-            f"a NetCDF file needs h5netcdf and h5py ({error}): {how_to_install('netcdf')}"
-        ) from error
     del h5netcdf, h5py
 
 
@@ -205,7 +201,7 @@ def _new_variable(file: File, layout: Layout, name: str) -> Variable:
         **(_compression(layout.shape) if layout.dims else {}),
     )
     if whole:
-        variable.attrs.update(QUANTITIES[name].attributes)
+        variable.attrs.update(ORDINATES[name].attributes)
     labels = [item.name for item in layout.coordinates if item.name != item.dimension]
     if labels:
         variable.attrs["coordinates"] = " ".join(labels)

@@ -24,13 +24,13 @@ from rwmf.motion.intensity import Intensity, choose_intensity, scale_to_one
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run.quantities import (
     AXES,
+    ORDINATES,
     SENSITIVITY,
     Quantity,
     default_quantity,
     find_quantities,
     keys_of,
 )
-from rwmf.run.quantities import ORDINATES as QUANTITIES
 from rwmf.sweeps.axes import (
     SCALE,
     Axis,
@@ -117,7 +117,7 @@ def run_task(task: Task, progress: Progress | None = None) -> Chunk:
     names, codes = np.unique(found["status"].ravel(), return_inverse=True)
     # quantities of absent effects have no value
     values = {
-        name: np.array(found.get(QUANTITIES[name].key, missing)).ravel() for name in task.quantities
+        name: np.array(found.get(ORDINATES[name].key, missing)).ravel() for name in task.quantities
     }
     return Chunk(task.number, tuple(names.tolist()), codes.astype(np.uint8), values)
 
@@ -127,7 +127,7 @@ def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any
     case = kernel_case.read_case(compose(task.entries), task.source, None, samples)
     allowed = case.applicable()
     # both names of a quantity have the same key
-    requested = dict.fromkeys(QUANTITIES[name].key for name in task.quantities)
+    requested = dict.fromkeys(ORDINATES[name].key for name in task.quantities)
     keys = [key for key in requested if key.removeprefix(SENSITIVITY) in allowed]
     with results.start_rows(
         case, task.source, task.columns, task.rows, keys, task.threads, progress

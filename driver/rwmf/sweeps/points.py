@@ -21,21 +21,7 @@ from rwmf.errors import InputError
 from rwmf.kernel.names import problem_of_name, shorten
 from rwmf.kernel.numbers import Array, Wholes, show
 from rwmf.motion.record_sets import RecordFile, decimal_point, find_records, separator_of
-from rwmf.sweeps.axes import (
-    NUMBERS,
-    PAIRS,
-    POINT,
-    Axis,
-    Scene,
-    column_coordinate,
-    is_number,
-    key_of_column,
-    keys_of_axis,
-    kind_of,
-    name_axes,
-    record_coordinates,
-    take_numbers,
-)
+from rwmf.sweeps import axes
 
 _NETCDF = (".nc", ".nc4", ".h5", ".hdf5")
 # rows converted at once
@@ -59,13 +45,13 @@ def read_netcdf(path: Path) -> xr.Dataset:
 
 
 def read_csv(
-    path: Path, is_number: Callable[[str], bool]
+    path: Path, is_numeric: Callable[[str], bool]
 ) -> tuple[dict[str, npt.NDArray[np.generic]], Wholes]:
     """Read a CSV file: a line of names, then one line per row."""
     _check(path)
     try:
         with path.open(encoding="utf-8-sig", errors="surrogateescape", newline="") as file:
-            return _read_rows(path, file, is_number)
+            return _read_rows(path, file, is_numeric)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     except csv.Error as error:
@@ -85,7 +71,7 @@ def _is_comment(line: str) -> bool:
 
 
 def _read_rows(
-    path: Path, file: Iterator[str], is_number: Callable[[str], bool]
+    path: Path, file: Iterator[str], is_numeric: Callable[[str], bool]
 ) -> tuple[dict[str, npt.NDArray[np.generic]], Wholes]:
     numbered = enumerate(file, 1)
     at, head = next((item for item in numbered if not _is_comment(item[1])), (0, ""))
@@ -99,7 +85,7 @@ def _read_rows(
         raise InputError(f"{path}, line {at}: {fault}")
     if all(map(_is_float, names)):
         raise InputError(f"{path}, line {at}: has numbers instead of the names of the columns")
-    numeric = [is_number(name) for name in names]
+    numeric = [is_numeric(name) for name in names]
     lines = _rows(numbered, mark, len(names), is_text=not numeric[0])
     numbers: list[Wholes] = []
     parts: list[list[npt.NDArray[np.generic]]] = [[] for _ in names]
@@ -211,15 +197,17 @@ def point_axis(
     pool: Sequence[RecordFile] = (),
     unit: str | None = None,
     dt: float | None = None,
-) -> Axis:
+) -> axes.Axis:
     """Make the axis for the rows of a table."""
     table = _read(points)
     words = [word for word in table.values if str(word).lower() == _RECORD]
-    named: dict[str, Column] = name_axes(
+    named: dict[str, Column] = axes.name_axes(
         {word: values for word, values in table.values.items() if word not in words}, table.source
     )
     numbers = {name: values for name, values in named.items() if _is_number(name, table.source)}
-    columns = {name: take_numbers(name, values, table.where) for name, values in numbers.items()}
+    columns = {
+        name: axes.take_numbers(name, values, table.where) for name, values in numbers.items()
+    }
     texts: dict[str, tuple[Wholes, Sequence[Any]]] = {}
     if words:
         codes, values = _codes(table.values[words[0]])
@@ -230,9 +218,9 @@ def point_axis(
     scenes, scene_of = _make_scenes(texts, len(next(iter(table.values.values()))))
     labels = _labels([*named])
     coordinates = tuple(
-        column_coordinate(
+        axes.column_coordinate(
             name,
-            POINT,
+            axes.POINT,
             labels[name],
             columns[name] if name in columns else _settings_of(name, scenes),
         )
@@ -240,8 +228,8 @@ def point_axis(
     )
     if words:
         found = [scene.record for scene in scenes if scene.record is not None]
-        coordinates = (*record_coordinates(POINT, found), *coordinates)
-    return Axis(POINT, coordinates, scenes, scene_of, table.where)
+        coordinates = (*axes.record_coordinates(axes.POINT, found), *coordinates)
+    return axes.Axis(axes.POINT, coordinates, scenes, scene_of, table.where)
 
 
 def _read(points: Points) -> _Columns:
@@ -294,7 +282,7 @@ def _one_dimension(found: xr.Dataset, source: str) -> dict[str, Column]:
     if len(dims) != 1:
         raise InputError(
             f"{source}: has the dimensions {', '.join(map(str, dims)) or 'none'}: points have one; "
-            f"dataset.stack({POINT}=[...]).reset_index('{POINT}') makes one of several"
+            f"dataset.stack({axes.POINT}=[...]).reset_index('{axes.POINT}') makes one of several"
         )
     # the labels of the rows, unless they are a key
     names = [str(name) for name in found.variables if name != dims[0] or _is_known(str(name))]
@@ -303,7 +291,7 @@ def _one_dimension(found: xr.Dataset, source: str) -> dict[str, Column]:
 
 def _is_known(word: str) -> bool:
     try:
-        return word.lower() == _RECORD or bool(name_axes({word: None}))
+        return word.lower() == _RECORD or bool(axes.name_axes({word: None}))
     except InputError:
         return False
 
@@ -329,19 +317,19 @@ def _is_column_of_numbers(word: str, source: str) -> bool:
     """Check whether a column of a text file is numeric; words may be logicals."""
     if word.lower() == _RECORD:
         return False
-    (name,) = name_axes({word: None}, source)
-    return kind_of(name) in ("real", "integer", "real list")
+    (name,) = axes.name_axes({word: None}, source)
+    return axes.kind_of(name) in ("real", "integer", "real list")
 
 
 def _is_number(name: str, source: str) -> bool:
     """Check whether the kernel takes a column as numbers; a list has one number per row."""
-    if name in PAIRS or kind_of(name) == "text list":
-        parts = " and ".join(".".join(key) for key in keys_of_axis(name))
+    if name in axes.PAIRS or axes.kind_of(name) == "text list":
+        parts = " and ".join(".".join(key) for key in axes.keys_of_axis(name))
         raise InputError(
             f"{source}: {name}: is a list, a column has one value a row"
-            + (f"; give the columns {parts}" if name in PAIRS else "")
+            + (f"; give the columns {parts}" if name in axes.PAIRS else "")
         )
-    return is_number(name) or kind_of(name) == "real list"
+    return axes.is_number(name) or axes.kind_of(name) == "real list"
 
 
 def _codes(column: Column) -> tuple[Wholes, list[Any]]:
@@ -363,21 +351,21 @@ def _codes(column: Column) -> tuple[Wholes, list[Any]]:
 
 def _settings(name: str, table: _Columns, column: Column) -> tuple[Wholes, list[Any]]:
     """Find the texts of a column, or its numbers that define scenes."""
-    is_text = kind_of(name) not in NUMBERS
+    is_text = axes.kind_of(name) not in axes.NUMBERS
     if not is_text:
-        column = take_numbers(name, column, table.where)
+        column = axes.take_numbers(name, column, table.where)
     codes, values = _codes(column)
     for i, value in enumerate(values):
         if is_text and not isinstance(value, str):
             place = table.where(int(np.argmax(codes == i)))
             raise InputError(f"{place}: {name} = {show(value)}: must be a text")
-    is_whole = kind_of(name) == "integer"
+    is_whole = axes.kind_of(name) == "integer"
     return codes, [int(value) if is_whole else value for value in values]
 
 
 def _make_scenes(
     texts: Mapping[str, tuple[Wholes, Sequence[Any]]], n: int
-) -> tuple[tuple[Scene, ...], npt.NDArray[np.uint32]]:
+) -> tuple[tuple[axes.Scene, ...], npt.NDArray[np.uint32]]:
     """Combine records and texts into scenes, in the order of their first rows."""
     combined = np.zeros(n, dtype=np.int64)
     for codes, values in texts.values():
@@ -390,8 +378,8 @@ def _make_scenes(
     for row in first[order].tolist():
         found = {name: values[codes[row]] for name, (codes, values) in texts.items()}
         record = found.pop(_RECORD, None)
-        settings = tuple((key_of_column(name), value) for name, value in found.items())
-        scenes.append(Scene(record, settings))
+        settings = tuple((axes.key_of_column(name), value) for name, value in found.items())
+        scenes.append(axes.Scene(record, settings))
     return tuple(scenes), rank[which].astype(np.uint32)
 
 
@@ -404,8 +392,8 @@ def _labels(names: Sequence[str]) -> dict[str, str]:
     }
 
 
-def _settings_of(name: str, scenes: Sequence[Scene]) -> tuple[Value, ...]:
-    key = key_of_column(name)
+def _settings_of(name: str, scenes: Sequence[axes.Scene]) -> tuple[Value, ...]:
+    key = axes.key_of_column(name)
     return tuple(value for scene in scenes for known, value in scene.settings if known == key)
 
 

@@ -11,7 +11,7 @@ import pytest
 import rwmf
 from checkout import ROOT
 from rwmf import cli
-from rwmf._renamed import NAMES
+from rwmf._renamed import renamed
 from rwmf.cli.command_table import COMMANDS
 from rwmf.errors import InputError
 from rwmf.kernel import names as _extras
@@ -201,11 +201,11 @@ def test_bash_completes_options_of_the_command(capsys: pytest.CaptureFixture[str
         assert done.stdout.split() == [expected]
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_an_earlier_name_names_the_new_one(name: str) -> None:
+@pytest.mark.parametrize(("name", "new"), renamed("names").items())
+def test_an_earlier_name_names_the_new_one(name: str, new: str) -> None:
     module, _, last = f"rwmf.{name}".rpartition(".")
-    with pytest.raises(AttributeError, match=re.escape(f"it is now {NAMES[name]}")):
+    with pytest.raises(AttributeError, match=re.escape(f"it is now {new}")):
         getattr(import_module(module), last)
-    if NAMES[name].startswith("rwmf.") and " " not in NAMES[name]:
-        home, _, new = NAMES[name].rpartition(".")
-        assert getattr(import_module(home), new)
+    if new.startswith("rwmf.") and " " not in new:
+        home, _, word = new.rpartition(".")
+        assert getattr(import_module(home), word)

@@ -8,8 +8,10 @@ import pytest
 import rwmf
 from checkout import ROOT
 from rwmf import Case
+from rwmf.explorer.controls import describe
 from rwmf.explorer.model import captions_of, compare_with_frame, uplift_acceleration
 from rwmf.explorer.questions import case_of_preset
+from rwmf.kernel import tables
 from rwmf.run.quantities import find
 
 BLOCK = case_of_preset("block")
@@ -116,3 +118,10 @@ def test_the_comparison_with_the_frame_alone(value: float, alone: float | None, 
     text = compare_with_frame(find("u_s_max_m"), value, alone)
     assert words in text
     assert bool(text) == bool(words)
+
+
+@pytest.mark.parametrize("row", [row for row in tables.schema() if row.gives], ids=lambda x: x.key)
+def test_a_key_and_the_one_that_it_gives_replace_each_other(row: tables.KeyRow) -> None:
+    """The kernel refuses both."""
+    pair = {f"{row.group}.{row.gives}", f"{row.group}.{row.key}"}
+    assert any(pair <= set(same) for same in describe()["alternatives"])
