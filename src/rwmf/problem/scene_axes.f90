@@ -85,6 +85,7 @@ contains
       class(structure_t), intent(in) :: structure
       type(axis_t), allocatable, intent(out) :: axes(:)
       type(axis_t) :: b, gamma, T_s
+      character(*), parameter :: scaled = '; all masses and stiffnesses follow'
 
       b = axis_t('b', 'b_m', 'm', 'half width of the wall')
       gamma = axis_t('gamma', 'gamma', '1', 'mass ratio')
@@ -101,7 +102,24 @@ contains
          if (T_s%has_value) T_s%value = structure%frame%T_s
          gamma%has_value = allocated(structure%frame%gamma)
          if (gamma%has_value) gamma%value = structure%frame%gamma
-         if (has_floors(structure)) call name_axes_of_floors(structure, T_s, gamma)
+         ! describe period and mass ratio according to the coupling between floors and wall
+         if (has_floors(structure)) then
+            T_s%is_plain = .false.
+            gamma%is_plain = .false.
+            T_s%meaning = 'first period of the frame; all stiffnesses follow'
+            select case (structure%frame%coupling)
+            case ('full')
+               gamma%meaning = 'mass of the roof over that of the wall'//scaled
+            case ('springs')
+               T_s%meaning = 'first period of the frame alone; its stiffnesses follow'
+               gamma%meaning = 'mass of all floors over that of the wall; their stiffnesses follow'
+            case ('every_floor')
+               T_s%meaning = 'period of the frame on a straight line; all stiffnesses follow'
+               gamma%meaning = 'mass ratio of the frame on a straight line'//scaled
+            case default
+               gamma%meaning = 'mass ratio of the first mode of the frame'//scaled
+            end select
+         end if
          if (structure%follows_size) then
             gamma%is_plain = .false.
             gamma%meaning = trim(gamma%meaning)//'; if not asked for, at the width of the case'
@@ -120,29 +138,5 @@ contains
          axes = [b, T_s]
       end if
    end subroutine list_axes
-
-   !> Describe period and mass ratio according to the coupling between floors and wall.
-   pure subroutine name_axes_of_floors(structure, T_s, gamma)
-      class(structure_t), intent(in) :: structure
-      type(axis_t), intent(inout) :: T_s
-      type(axis_t), intent(inout) :: gamma
-      character(*), parameter :: scaled = '; all masses and stiffnesses follow'
-
-      T_s%is_plain = .false.
-      gamma%is_plain = .false.
-      T_s%meaning = 'first period of the frame; all stiffnesses follow'
-      select case (structure%frame%coupling)
-      case ('full')
-         gamma%meaning = 'mass of the roof over that of the wall'//scaled
-      case ('springs')
-         T_s%meaning = 'first period of the frame alone; its stiffnesses follow'
-         gamma%meaning = 'mass of all floors over that of the wall; their stiffnesses follow'
-      case ('every_floor')
-         T_s%meaning = 'period of the frame on a straight line; all stiffnesses follow'
-         gamma%meaning = 'mass ratio of the frame on a straight line'//scaled
-      case default
-         gamma%meaning = 'mass ratio of the first mode of the frame'//scaled
-      end select
-   end subroutine name_axes_of_floors
 
 end module rwmf_problem_scene_axes

@@ -401,9 +401,25 @@ contains
       real(wp), intent(in) :: change(:)
       !! (free positions)
       type(branch_end_t) :: ending
+      integer, parameter :: most_ends = 8
+      !! largest number of consecutive branch ends per position
+      real(wp), parameter :: least = 1.0_wp, most = 1.0e9_wp
+      !! bounds of the damping [1/s2]
 
       call find_end(model, path, change, ending)
-      call adapt_damping(path, ending%part)
+      ! Adapt the damping if consecutive branch ends form a cycle.
+      !
+      ! Springs whose loading directions depend on each other may reverse each other without end.
+      ! Damping ends this cycle, because the forces alone then determine the change.
+      path%ends = path%ends + 1
+      if (ending%part > 0) then
+         path%ends = 0
+         path%damping = path%damping/4
+         if (path%damping < least) path%damping = 0
+      else if (path%ends > most_ends*(size(path%q) + 1)) then
+         path%ends = 0
+         path%damping = min(max(16*path%damping, least), most)
+      end if
       call move_along(model, path, ending%part*change)
       if (ending%storey > 0) then
          call pass_storey_limit(model, path%state, ending%storey, ending%is_rising)
@@ -416,30 +432,6 @@ contains
          call free_positions(model, path)
       end if
    end subroutine follow_piece
-
-   !> Adapt the damping if consecutive branch ends form a cycle.
-   !>
-   !> Springs whose loading directions depend on each other may reverse each other without end.
-   !> Damping ends this cycle, because the forces alone then determine the change.
-   pure subroutine adapt_damping(path, part)
-      type(path_t), intent(inout) :: path
-      real(wp), intent(in) :: part
-      !! fraction of the piece up to its end [-]
-      integer, parameter :: most_ends = 8
-      !! largest number of consecutive branch ends per position
-      real(wp), parameter :: least = 1.0_wp, most = 1.0e9_wp
-      !! bounds of the damping [1/s2]
-
-      path%ends = path%ends + 1
-      if (part > 0) then
-         path%ends = 0
-         path%damping = path%damping/4
-         if (path%damping < least) path%damping = 0
-      else if (path%ends > most_ends*(size(path%q) + 1)) then
-         path%ends = 0
-         path%damping = min(max(16*path%damping, least), most)
-      end if
-   end subroutine adapt_damping
 
    !> Find the first branch end of a piece.
    subroutine find_end(model, path, change, ending)

@@ -31,6 +31,8 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at the end
       type(result_t), intent(inout) :: result
+      type(element_extremes_t) :: fuses(scene%fuses)
+      integer :: i, stroke, force
 
       result%method = 'taylor'
       result%rtol = case%solver%rtol
@@ -51,8 +53,17 @@ contains
             call put_base(case, scene, regime, record, y, values)
             if (case%output%reactions) call put_reactions(scene, record, result)
             if (case%output%demands .and. scene%frame%n > 0) call put_demands(scene, record, result)
-            if (case%output%envelopes .and. allocated(case%fuse)) call put_fuses(scene, record, &
-               values)
+            ! put strokes and forces of the fuses
+            if (case%output%envelopes .and. allocated(case%fuse)) then
+               do i = 1, size(fuses)
+                  stroke = first_spring(scene) + i - 1
+                  force = stroke + size(scene%springs)
+                  fuses(i) = element_extremes_t(of_fuse, record%extremes(:, stroke), &
+                     record%travel(i), [record%extremes(1, force), largest(record, force)], &
+                     record%series(0, force))
+               end do
+               call put_elements(values, fuses)
+            end if
             if (record%keeps_energy) then
                call fill_energy(scene, regime, record, y)
                call put_balance(values, record%energy)
@@ -189,23 +200,6 @@ contains
          call put(values, id%t_roof_drift_max_s, time_of(record, of_u))
       end associate
    end subroutine put_demands
-
-   !> Put strokes and forces of the fuses.
-   subroutine put_fuses(scene, record, values)
-      type(base_scene_t), intent(in) :: scene
-      type(base_record_t), intent(in) :: record
-      type(values_t), intent(inout) :: values
-      type(element_extremes_t) :: fuses(scene%fuses)
-      integer :: i, stroke, force
-
-      do i = 1, size(fuses)
-         stroke = first_spring(scene) + i - 1
-         force = stroke + size(scene%springs)
-         fuses(i) = element_extremes_t(of_fuse, record%extremes(:, stroke), record%travel(i), &
-            [record%extremes(1, force), largest(record, force)], record%series(0, force))
-      end do
-      call put_elements(values, fuses)
-   end subroutine put_fuses
 
    !> Complete the energy ledger.
    subroutine fill_energy(scene, regime, record, y)
