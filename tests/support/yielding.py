@@ -1,8 +1,8 @@
-"""The elastic-plastic oscillator under piecewise linear acceleration, solved exactly.
+"""Linear and elastic-plastic oscillators under piecewise linear acceleration, solved exactly.
 
 u'' + 2 xi w u' + f = -a(t), where f = w^2 (u - p) between the yield forces and f = +-w^2 u_y beyond
-them (perfectly plastic). Within a branch and an interval the system is linear: the state follows
-from a matrix exponential, the ends of a branch are roots.
+them (perfectly plastic; in the linear one u_y is infinite). Within a branch and an interval the
+system is linear: the state follows from a matrix exponential, the ends of a branch are roots.
 """
 
 import math
@@ -65,17 +65,38 @@ def exact_yielding(
         Supremum of |u|, between the samples too, and u - f/w^2 at the end.
     """
     oscillator = _Oscillator(T_s, xi, u_y)
-    for i in range(t.size - 1):
-        oscillator.pass_interval(a[i], (a[i + 1] - a[i]) / (t[i + 1] - t[i]), t[i + 1] - t[i])
+    oscillator.follow(t, a)
     return oscillator.largest, oscillator.plastic()
+
+
+def exact_peak(T_s: float, xi: float, t: np.ndarray, a: np.ndarray, e: float = 1.0) -> float:
+    """Largest |u| of the linear oscillator [m].
+
+    Parameters
+    ----------
+    T_s, xi : float
+        Period [s] and damping ratio [-].
+    t, a : numpy.ndarray
+        Times [s] and ground acceleration [m/s2], linear between them.
+    e : float
+        Velocity factor at u = 0.
+
+    Returns
+    -------
+    float
+        Supremum of |u|, between the samples too.
+    """
+    oscillator = _Oscillator(T_s, xi, math.inf, e)
+    oscillator.follow(t, a)
+    return oscillator.largest
 
 
 class _Oscillator:
     """State, branch (0 elastic, +-1 yielding) and plastic displacement p of the elastic branch."""
 
-    def __init__(self, T_s: float, xi: float, u_y: float) -> None:
+    def __init__(self, T_s: float, xi: float, u_y: float, e: float = 1.0) -> None:
         w = 2 * math.pi / T_s
-        self.k, self.c, self.u_y = w**2, 2 * xi * w, u_y
+        self.k, self.c, self.u_y, self.e = w**2, 2 * xi * w, u_y, e
         self.u = np.zeros(2)
         self.branch, self.p, self.largest = 0, 0.0, 0.0
         self.flows: dict[tuple[bool, float], np.ndarray] = {}
@@ -84,7 +105,11 @@ class _Oscillator:
         """Displacement without force."""
         return self.u[0] - self.branch * self.u_y if self.branch else self.p
 
-    def pass_interval(self, a: float, slope: float, length: float) -> None:
+    def follow(self, t: np.ndarray, a: np.ndarray) -> None:
+        for i in range(t.size - 1):
+            self._pass(a[i], (a[i + 1] - a[i]) / (t[i + 1] - t[i]), t[i + 1] - t[i])
+
+    def _pass(self, a: float, slope: float, length: float) -> None:
         left = length
         while left > 0:
             spent = self._piece(a, slope, left)
@@ -111,7 +136,11 @@ class _Oscillator:
         return length
 
     def _end(self, state: np.ndarray, after: np.ndarray, step: float) -> float | None:
-        """Time within a part at which the branch ends."""
+        """Time within a part at which the branch ends, or the velocity jumps."""
+        if self.e < 1 and state[0] * after[0] < 0:
+            return float(brentq(lambda s: self._at(state, s)[0], 0, step, xtol=1e-16))
+        if math.isinf(self.u_y):
+            return None
         if self.branch:
             if self.branch * after[1] >= 0:
                 return None
@@ -136,7 +165,9 @@ class _Oscillator:
         return None
 
     def _change(self) -> None:
-        if self.branch:
+        if self.e < 1:
+            self.u = np.array([0.0, self.e * self.u[1]])
+        elif self.branch:
             self.p, self.branch = self.u[0] - self.branch * self.u_y, 0
         else:
             self.branch = 1 if self.u[0] > self.p else -1

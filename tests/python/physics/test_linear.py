@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from oscillator import exact_peak
 from scenes import bare_frame, coupled, record
+from yielding import exact_peak
 
 G = 9.81
 # the kernel at rtol 1e-11 against the exact solution: its own tolerance with room for the

