@@ -13,9 +13,8 @@ Modules are imported at the first use of a name.
 """
 
 from importlib import import_module
+from typing import TYPE_CHECKING
 
-# as that of `typing`, which takes longer to import than this module
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from rwmf import hosts, plot, records, sections, studies
     from rwmf.assess.analyses import cloud, ida, stripes
