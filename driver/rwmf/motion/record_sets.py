@@ -679,14 +679,14 @@ def components(
     return found
 
 
-def hold_to_motions(words: Sequence[object], **facts: object) -> None:
+def hold_to_motions(words: Sequence[object], **facts: str | float | None) -> None:
     """Refuse facts of files that motions contradict, where no file is among them."""
     motions = [word for word in words if isinstance(word, Motion | RecordFile)]
     for motion in motions if len(motions) == len(words) else ():
         for key, given in facts.items():
-            own = getattr(motion, key, None)
+            own: str | float | None = getattr(motion, key, None)
             is_open = own is None and isinstance(motion, RecordFile)
-            if given is not None and given != own and not is_open:
+            if given is not None and not is_open and not np.array_equal(given, own or ""):
                 known = "" if own is None else f", and this motion has {key} = {show(own)}"
                 raise InputError(
                     f"records: {motion.name}: {key} = {show(given)} belongs to files{known}"

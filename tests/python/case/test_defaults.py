@@ -29,8 +29,11 @@ def outside(e: float = 0.9, gamma: float = 5.0) -> str:
     shown = [float(f"{x:.4g}") for x in (e, found, widths)]
     if shown[0] == shown[1]:
         shown[:2] = e, found
+    most = repr(shown[1])
+    if shown[1] == 1.0:
+        most = f"1 - {1 - found:.4g}".replace("e-0", "e-")
     return (
-        f"e = {shown[0]!r} is below e_max = {shown[1]!r}, that of &impact rule = 'coupled': the "
+        f"e = {shown[0]!r} is below e_max = {most}, that of &impact rule = 'coupled': the "
         f"impulse would act {shown[2]!r} base widths outside the base"
     )
 
