@@ -684,9 +684,10 @@ def hold_to_motions(words: Sequence[object], **facts: str | float | None) -> Non
     motions = [word for word in words if isinstance(word, Motion | RecordFile)]
     for motion in motions if len(motions) == len(words) else ():
         for key, given in facts.items():
-            own: str | float | None = getattr(motion, key, None)
+            own = getattr(motion, key, None)
             is_open = own is None and isinstance(motion, RecordFile)
-            if given is not None and not is_open and not np.array_equal(given, own or ""):
+            is_same = isinstance(given, str | float | int) and given == own
+            if given is not None and not (is_open or is_same):
                 known = "" if own is None else f", and this motion has {key} = {show(own)}"
                 raise InputError(
                     f"records: {motion.name}: {key} = {show(given)} belongs to files{known}"
