@@ -82,7 +82,7 @@ QUESTIONS = {
     "damping": ("theory/bending.html#damping", "damping"),
     "hazard": ("tutorials/retrofit-to-risk.html#annual-frequency", "hazard"),
     "many cases into one table": ("howto/sweeps.html#many-files-one-table", "table"),
-    "Figure 13": ("validation/validation.html#figures", "figure"),
+    "Figure 13": ("validation/claims.html#figures", "figure"),
     "full screen for a lecture": ("howto/explore.html", "full screen"),
     "two walls": ("tutorials/two-walls.html", "walls"),
     "IDR": ("howto/buildings.html", "drift"),
