@@ -15,7 +15,7 @@ from rwmf.errors import InputError
 from rwmf.figures.styles import DOTS, legend_above, make_panels, plain, series, tint
 from rwmf.kernel.numbers import show, to_array
 from rwmf.run.arguments import dataset_of
-from rwmf.run.quantities import fallen
+from rwmf.run.quantities import fallen, is_least
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -127,7 +127,8 @@ def _rows_of(dataset: xr.Dataset, quantity: str | None) -> tuple[xr.Dataset, str
     if not names or (quantity is not None and quantity not in names):
         listed = ", ".join(names) or "none"
         raise InputError(f"quantity = {show(quantity)}: is not in the table, which has {listed}")
-    return rows, quantity or names[0]
+    # the first demand, a smallest value only where there is no other
+    return rows, quantity or min(names, key=is_least)
 
 
 def _label_demand(ax: Axes, rows: xr.Dataset, name: str) -> None:

@@ -180,6 +180,10 @@ def test_smallest_values_are_no_demands() -> None:
         "pivot_normal_min": [0.8, 0.4, 0.7, 0.1],
     }
     assert "pivot_normal_min" not in studies.demand_percentiles(columns)
+    table = rwmf.stripes(frame(), suite(1), LEVELS[:2], ["pivot_normal_min", "u_s_max"])
+    assert list(table.data_vars).index("pivot_normal_min") < list(table.data_vars).index("u_s_max")
+    drawn = [rwmf.plot.ida(table, quantity=name).get_xlabel() for name in (None, "u_s_max")]
+    assert drawn[0] == drawn[1]
     for call in (
         lambda: rwmf.fragility(columns, 0.2, "pivot_normal_min"),
         lambda: studies.demand_percentiles(columns, "pivot_normal_min"),
