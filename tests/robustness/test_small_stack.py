@@ -17,8 +17,8 @@ from rwmf.kernel import tables
 
 # the least stack of the main thread and of each worker that the documentation promises [bytes]
 STACK = 512 * 1024
-# more than a stack of 8 MB holds as reals
-_SAMPLES = 1_048_577
+# three times what the stack holds as reals
+_SAMPLES = 196_609
 _STOREYS = (549, 999, 1000)
 _MANY = 70_000
 _WALL = "&wall h = {h}, b = {b} /\n&impact e = 0.9 /\n"

@@ -52,7 +52,7 @@ def launch(kind: BrowserType) -> Browser:
     program = shutil.which("chromium-headless-shell")
     if program is None:
         pytest.skip("chromium is not installed")
-    arguments = ["--disable-dev-shm-usage"]
+    arguments = ["--disable-dev-shm-usage", "--disable-gpu"]
     if os.geteuid() == 0:
         # as root chromium ends at once with its sandbox
         arguments.append("--no-sandbox")

@@ -97,9 +97,11 @@ def table_of(
         raise InputError(f"table{where}: intensity = {value}: must be finite numbers > 0")
     names = ["design", "record", "intensity", "scale"]
     names += [name for name in found if name not in COLUMNS]
-    dataset = xr.Dataset(attrs=dict(attributes))
-    for name in [*names, "status"]:
-        dataset[name] = ("row", found[name], _LABELS.get(name) or _labels(name))
+    columns = {
+        name: ("row", found[name], _LABELS.get(name) or _labels(name))
+        for name in [*names, "status"]
+    }
+    dataset = xr.Dataset(columns, attrs=attributes)
     unit = str(dataset.attrs.get("intensity_unit", "g"))
     dataset["intensity"].attrs |= {"units": unit}
     return dataset

@@ -263,7 +263,7 @@ class Case(Groups):
                 raise AttributeError(name)
             if name.lower() in self._groups:
                 return self._groups[name.lower()]
-            if name.lower() in {row[0] for row in tables.schema()}:
+            if name.lower() in tables.keys_of_groups():
                 return None
             raise AttributeError(f"there is no namelist group &{name}")
 
@@ -602,7 +602,7 @@ def _check_groups(
             continue
         if not isinstance(values, Mapping):
             raise InputError(f"&{name.lower()} = {show(values)}: must be keys with values, or None")
-        known = {key.lower(): key for group, key, *_ in tables.schema() if group == name.lower()}
+        known = tables.keys_of_groups()[name.lower()]
         for key in values:
             if not isinstance(key, str):
                 raise InputError(f"&{name.lower()}: {show(key)}: the name of a key is a text")
@@ -617,16 +617,19 @@ def _check_groups(
 
 def _other_group(key: str) -> str:
     """Suggest the groups that have a key."""
-    owners = [group for group, name, *_ in tables.schema() if name.lower() == key.lower()]
+    owners = [group for group, keys in tables.keys_of_groups().items() if key.lower() in keys]
     return f", did you mean {key} of &{' or &'.join(owners)}?" if owners else ""
 
 
 def _check_group(name: str) -> None:
-    rows = [(group, key) for group, key, *_ in tables.schema()]
-    known = dict.fromkeys(group for group, _ in rows)
+    known = tables.keys_of_groups()
     if name.lower() in known:
         return
-    owners = [f"{group}={{{key!r}: ...}}" for group, key in rows if key.lower() == name.lower()]
+    owners = [
+        f"{group}={{{keys[name.lower()]!r}: ...}}"
+        for group, keys in known.items()
+        if name.lower() in keys
+    ]
     hint = f", did you mean {' or '.join(owners)}?" if owners else did_you_mean(name, known)
     hint = f"{hint} There" if hint else "; there"
     raise InputError(f"there is no group &{name}{hint} are {', '.join(known)}")

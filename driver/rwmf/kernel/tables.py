@@ -196,6 +196,15 @@ def schema() -> tuple[KeyRow, ...]:
     )
 
 
+@functools.cache
+def keys_of_groups() -> dict[str, dict[str, str]]:
+    """Return the keys of each group, by their names in lower case."""
+    found: dict[str, dict[str, str]] = {}
+    for row in schema():
+        found.setdefault(row.group, {})[row.key.lower()] = row.key
+    return found
+
+
 def needs_of_groups() -> dict[str, list[str]]:
     """Return the groups of a case, each with the groups that it requires."""
     rows = marshalling.split_table(marshalling.fetch_text(_kernel.groups))

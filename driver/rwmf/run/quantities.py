@@ -133,22 +133,23 @@ INSTANT = {
 AXES = {"b": QUANTITIES["b_m"], "gamma": QUANTITIES["gamma"], "T_s": QUANTITIES["T_s_s"]}
 
 
+_KEYS = {key.lower(): key for key in QUANTITIES} | {
+    name.lower(): key
+    for key, item in QUANTITIES.items()
+    if "run" in item.outputs.split()
+    for name in item.names("run")
+}
+
+
 def keys_of(names: Iterable[str]) -> list[str]:
     """Translate names of variables into keys; keys and unknown words stay."""
-    keys = {key.lower(): key for key in QUANTITIES}
-    keys |= {
-        name.lower(): key
-        for key, item in QUANTITIES.items()
-        if "run" in item.outputs.split()
-        for name in item.names("run")
-    }
     found = []
     for name in names:
         word = name.lower()
         # the number of a floor or storey lies between underscores
         numbered = re.match(r"[a-z_]+?_(\d{1,4})(?=_)", word)
         number = numbered[1] if numbered else "{i}"
-        key = keys.get(word.replace(f"_{number}_", "_{i}_", 1), name)
+        key = _KEYS.get(word.replace(f"_{number}_", "_{i}_", 1), name)
         found.append(key.replace("{i}", number))
     return found
 

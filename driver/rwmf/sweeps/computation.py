@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Self, TypedDict
+from typing import Any, BinaryIO, Self, TypedDict
 
 import numpy as np
 import xarray as xr
@@ -579,12 +579,14 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
     """Label a sweep in memory as if xarray had read it from a file."""
     names = netcdf.status_names(layout, source)
     arrays = netcdf.assemble(layout, source, names)
-    dataset = xr.Dataset(attrs=netcdf.attributes(layout))
+    axes = {}
     for item in layout.coordinates:
         labels = {"units": item.unit} if item.unit else {}
         labels["long_name"] = item.meaning
-        dataset.coords[item.name] = (item.dimension, layout.labels(item), labels)
-    for name in layout.quantities:
-        dataset[name] = (layout.dims, arrays[name], ORDINATES[name].attributes)
-    dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
-    return dataset
+        axes[item.name] = (item.dimension, layout.labels(item), labels)
+    found: dict[str, Any] = {
+        name: (layout.dims, arrays[name], ORDINATES[name].attributes) for name in layout.quantities
+    }
+    found["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
+    # a quantity may have the name of an axis, whose place it then takes
+    return xr.Dataset(coords=axes, attrs=netcdf.attributes(layout)).assign(found)

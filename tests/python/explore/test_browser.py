@@ -172,17 +172,20 @@ def test_every_effect_can_be_added_and_taken_out(show: Open) -> None:
 
 
 def test_every_key_that_is_offered_is_taken(show: Open, client: Client) -> None:
-    page = show().page
+    """Once each: in the first scene that offers it."""
+    page, known = show().page, set()
     for prepare in PREPARED:
         found = page.evaluate(OFFERED, prepare)
         refused = [
             (name, step, client.problem("/api/history", question)[1])
             for name, *questions in found
+            if name not in known
             for step, question in zip(("set", "out"), questions, strict=True)
             if client.post("/api/history", json.dumps(question).encode())[0] != 200
         ]
         assert len(found) > 20
         assert refused == [], "\n".join(map(str, [prepare, *refused]))
+        known |= {name for name, *_ in found}
 
 
 def test_the_picture_bends(show: Open) -> None:
@@ -549,7 +552,7 @@ def test_a_hand_that_moves_fast(show: Open) -> None:
     opened.settle()
     assert opened.field("wall.b").input_value() == "3"
     assert opened.number("u_s_max_m") == _peak(wall={"b": 3.0})
-    assert opened.page.locator("#failed").text_content().startswith("200 periods")
+    assert opened.page.locator("#failed").text_content().startswith("50 periods")
 
 
 def test_a_run_without_end_is_given_up(show: Open) -> None:
