@@ -588,5 +588,4 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
         name: (layout.dims, arrays[name], ORDINATES[name].attributes) for name in layout.quantities
     }
     found["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
-    # a quantity may have the name of an axis, whose place it then takes
-    return xr.Dataset(coords=axes, attrs=netcdf.attributes(layout)).assign(found)
+    return xr.Dataset(found, axes, netcdf.attributes(layout))

@@ -312,6 +312,10 @@ def make_plan(request: Request) -> Plan:
     for quantity in wanted.values():
         if quantity.asked_by:
             base.setdefault("output", {})[quantity.asked_by] = True
+    for axis in axes:
+        for label in axis.coordinates:
+            if label.name in wanted:
+                raise InputError(f"quantities: {label.name}: is an axis, which has its values")
     runs = math.prod(axis.size for axis in axes)
     block = request.chunk or min(max(_CHUNK_RUNS[0], -(-runs // _CHUNKS)), _CHUNK_RUNS[1])
     layout = _make_layout(case, compose(base), axes, tuple(wanted), block)

@@ -74,7 +74,11 @@ def test_a_rocking_wall_balances_its_momentum_by_default(
     assert "impact" in run.attrs["effects"]
     assert lines(alone) == []
     # keys of the group are axes without it
-    assert rwmf.sweep(alone, {"e": [0.9]}, quantities=("e",)).e.values.item() == 0.9
+    found = rwmf.sweep(alone, {"e": [0.9]}, quantities="impacts")
+    assert found.impacts.item() == rwmf.simulate(alone.replace(impact={"e": 0.9})).impacts
+    assert found.e.item() == 0.9
+    with pytest.raises(rwmf.InputError, match="quantities: e: is an axis, which has its values"):
+        rwmf.sweep(alone, {"e": [0.9]}, quantities="e")
 
 
 def test_rule_none_loses_nothing_at_impacts() -> None:
