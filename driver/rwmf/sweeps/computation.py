@@ -588,4 +588,4 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
         name: (layout.dims, arrays[name], ORDINATES[name].attributes) for name in layout.quantities
     }
     found["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
-    return xr.Dataset(found, axes, netcdf.attributes(layout))
+    return xr.Dataset(coords=axes, attrs=netcdf.attributes(layout)).assign(found)

@@ -132,7 +132,7 @@ contains
       !! number of functions
       real(wp), parameter :: spacings = 16
       !! round-off of a sum of products [-]
-      real(wp) :: c(0:highest_order), noise
+      real(wp) :: c(0:highest_order), sizes(0:highest_order, 4), noise
       integer :: k, order
 
       n = 0
@@ -150,12 +150,16 @@ contains
                call add(4, b*of%contact%a2 - of%contact%b2)
                if ((regime%is_met(1) .neqv. regime%is_met(2)) .and. (regime%is_met(3) .neqv. &
                    regime%is_met(4))) then
+                  sizes(:order, 1) = abs(of%z(:order))
+                  sizes(:order, 2) = abs(of%contact%a2(:order))
+                  sizes(:order, 3) = abs(of%contact%b2(:order))
+                  sizes(:order, 4) = abs(of%turn%sine(:order))
                   do k = 0, order
                      c(k) = product_term(k, of%z, of%contact%a2) - product_term(k, &
                         of%contact%b2, of%turn%sine)
                      ! both conditions are the same for a wall that stands or slides without rocking
-                     noise = product_term(k, abs(of%z), abs(of%contact%a2)) + product_term(k, &
-                        abs(of%contact%b2), abs(of%turn%sine))
+                     noise = product_term(k, sizes(:, 1), sizes(:, 2)) &
+                        + product_term(k, sizes(:, 3), sizes(:, 4))
                      if (abs(c(k)) <= spacings*epsilon(noise)*noise) c(k) = 0
                   end do
                   call add(of_cross, c)

@@ -66,11 +66,10 @@ module rwmf_model_base_base_series
    type :: contact_series_t
       real(wp), dimension(0:highest_order) :: a2, b2
       !! damped stress at xi over k: a2 xi - b2 [-], [m]
-      real(wp), dimension(0:highest_order) :: left, right
-      !! ends of the contact [m]
-      real(wp) :: squares(0:highest_order, 2), spans(0:highest_order, 3)
-      !! squares of the ends of the contact; differences of their first to third powers [m],
-      !! [m2], [m3]
+      real(wp) :: ends(0:highest_order, 3, 2)
+      !! first to third powers of the left and the right end of the contact [m], [m2], [m3]
+      real(wp) :: spans(0:highest_order, 3)
+      !! differences of these powers
    end type contact_series_t
 
    !> Series of the tendon.
@@ -114,6 +113,8 @@ module rwmf_model_base_base_series
    type :: base_series_t
       integer :: order = -1
       !! highest coefficient of everything but the states, which have one more
+      integer, private :: degree = 0
+      !! of the ground's motion: no later coefficient differs from zero
       real(wp), dimension(0:highest_order) :: x, z, theta
       !! slip [m], height of the middle of the base [m], rotation [rad]
       real(wp), dimension(0:highest_order) :: x_dot, z_dot, theta_dot
@@ -187,6 +188,8 @@ contains
       series%q_dot(0, :) = y(7 + free:)
       series%ground = ground
       series%upward = upward
+      series%degree = max(1, findloc(abs(ground) > 0 .or. abs(upward) > 0, .true., 1, &
+         back=.true.)) - 1
    end subroutine set_state
 
    !> Continue the series to an order.
@@ -264,18 +267,12 @@ contains
       associate (of => series)
          of%normal(n) = 0
          of%moment(n) = 0
-         of%contact%left(n) = 0
-         of%contact%right(n) = 0
+         of%contact%ends(n, :, :) = 0
+         of%contact%spans(n, :) = 0
          if (.not. mode%touches) return
-         of%contact%left(n) = contact_end(mode%left, -scene%b, of%contact%left)
-         of%contact%right(n) = contact_end(mode%right, scene%b, of%contact%right)
-         of%contact%squares(n, 1) = product_term(n, of%contact%right, of%contact%right)
-         of%contact%squares(n, 2) = product_term(n, of%contact%left, of%contact%left)
-         of%contact%spans(n, 1) = of%contact%right(n) - of%contact%left(n)
-         of%contact%spans(n, 2) = of%contact%squares(n, 1) - of%contact%squares(n, 2)
-         of%contact%spans(n, 3) = product_term(n, of%contact%squares(:, 1), of%contact%right) &
-            - product_term(n, &
-            of%contact%squares(:, 2), of%contact%left)
+         call expand_end(mode%left, -scene%b, of%contact%ends(:, :, 1))
+         call expand_end(mode%right, scene%b, of%contact%ends(:, :, 2))
+         of%contact%spans(n, :) = of%contact%ends(n, :, 2) - of%contact%ends(n, :, 1)
          of%normal(n) = scene%kappa*(product_term(n, of%contact%a2, of%contact%spans(:, 2))/2 &
             - product_term(n, of%contact%b2, of%contact%spans(:, 1)))
          of%moment(n) = scene%kappa*(product_term(n, of%contact%a2, of%contact%spans(:, 3))/3 &
@@ -284,23 +281,26 @@ contains
 
    contains
 
-      !> Coefficient n of an end of the contact.
-      pure real(wp) function contact_end(kind, edge, past) result(c)
+      !> Coefficient n of an end of the contact and of its powers.
+      pure subroutine expand_end(kind, edge, powers)
          integer, intent(in) :: kind
          real(wp), intent(in) :: edge
          !! [m]
-         real(wp), intent(in) :: past(0:highest_order)
-         !! coefficients below n [m]
+         real(wp), intent(inout) :: powers(0:highest_order, 3)
+         !! [m], [m2], [m3]
 
          select case (kind)
          case (at_first)
-            c = quotient_term(n, series%z(n), series%turn%sine, past)
+            powers(n, 1) = quotient_term(n, series%z(n), series%turn%sine, powers(:, 1))
          case (at_second)
-            c = quotient_term(n, series%contact%b2(n), series%contact%a2, past)
+            powers(n, 1) = quotient_term(n, series%contact%b2(n), series%contact%a2, powers(:, 1))
          case default
-            c = merge(edge, 0.0_wp, n == 0)
+            if (n == 0) powers(0, :) = [edge, edge**2, edge**3]
+            return
          end select
-      end function contact_end
+         powers(n, 2) = product_term(n, powers(:, 1), powers(:, 1))
+         powers(n, 3) = product_term(n, powers(:, 2), powers(:, 1))
+      end subroutine expand_end
    end subroutine expand_contact
 
    !> Add up the forces of strips on their branches.
@@ -450,9 +450,9 @@ contains
          call sum_forces(n, scene, series, row)
          row(1) = row(1) - known(of%turn%lever, of%theta_ddot)
          row(2) = row(2) + h*known(of%turn%sine, of%theta_ddot)
-         row(3) = row(3) + h*known(of%turn%sine, of%z_ddot) - known(of%turn%inertia, &
-            of%theta_ddot) &
-            - known(of%turn%lever, of%x_ddot)
+         row(3) = row(3) + h*known(of%turn%sine, of%z_ddot) &
+            - known(of%turn%inertia, of%theta_ddot)
+         if (scene%slides) row(3) = row(3) - known(of%turn%lever, of%x_ddot)
          own = of%turn%inertia(0) - (h*of%turn%sine(0))**2
          if (.not. scene%slides .or. (mode%slip == 0 .and. mode%touches)) then
             of%theta_ddot(n) = (row(3) + h*of%turn%sine(0)*row(2))/own
@@ -505,8 +505,7 @@ contains
          if (n == 0) of%turn%inertia(0) = scene%inertia
          if (n == 0) of%load%weight(0) = of%upward(0) + scene%g
          row = [h*spin(1) - of%ground(n), of%normal(n) + h*spin(2) - of%load%weight(n), &
-            h*product_term(n, of%load%weight, of%turn%sine) - h*product_term(n, of%ground, &
-               of%turn%cosine) &
+            h*of_motion(of%load%weight, of%turn%sine) - h*of_motion(of%ground, of%turn%cosine) &
             - product_term(n, of%turn%cosine, of%moment)]
          if (frame%n > 0) then
             of%turn%inertia(n) = of%turn%inertia(n) + frame%mass(2, 2)*product_term(n, &
@@ -519,8 +518,10 @@ contains
          end if
          of%anchor(n) = 0
          if (scene%has_tendon) then
-            of%cable%arm(n) = 2*h*(product_term(n, of%x, of%turn%cosine) - product_term(n, of%z, &
-               of%turn%sine))
+            of%cable%arm(n) = -product_term(n, of%z, of%turn%sine)
+            if (scene%slides) of%cable%arm(n) = of%cable%arm(n) &
+               + product_term(n, of%x, of%turn%cosine)
+            of%cable%arm(n) = 2*h*of%cable%arm(n)
             of%anchor(n) = product_term(n, of%cable%pull, of%cable%span_x)
             row = row - [of%anchor(n), product_term(n, of%cable%pull, of%cable%span_z), &
                product_term(n, of%cable%pull, of%cable%arm)]
@@ -533,6 +534,19 @@ contains
                at%arm) - product_term(n, at%couple, at%cosine)]
          end associate
       end associate
+
+   contains
+
+      !> Coefficient n of the product with a series of the ground's motion.
+      pure real(wp) function of_motion(a, b) result(c)
+         real(wp), intent(in) :: a(0:highest_order), b(0:highest_order)
+         integer :: k
+
+         c = 0
+         do k = 0, min(n, series%degree)
+            c = c + a(k)*b(n - k)
+         end do
+      end function of_motion
    end subroutine sum_forces
 
 end module rwmf_model_base_base_series

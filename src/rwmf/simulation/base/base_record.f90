@@ -368,11 +368,11 @@ contains
             column(0, of_contact) = scene%width*count(regime%strips == is_pressed &
                .or. regime%strips == is_crushing)
          else
-            column(:n, of_contact) = of%contact%right(:n) - of%contact%left(:n)
+            column(:n, of_contact) = of%contact%spans(:n, 1)
             do k = 0, n
-               column(k, of_stress) = product_term(k, of%contact%a2, of%contact%left) &
+               column(k, of_stress) = product_term(k, of%contact%a2, of%contact%ends(:, 1, 1)) &
                   - of%contact%b2(k)
-               column(k, of_stress + 1) = product_term(k, of%contact%a2, of%contact%right) &
+               column(k, of_stress + 1) = product_term(k, of%contact%a2, of%contact%ends(:, 1, 2)) &
                   - of%contact%b2(k)
             end do
             if (.not. regime%touches) column(:n, of_stress:of_stress + 1) = 0
