@@ -7,7 +7,6 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: frame_motion, kinematics_at
-   use rwmf_model_elements, only: of_cable
    use rwmf_model_floor_motion, only: floor_motion, follows_roof
    use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_no_tension_strip, only: contact_length, settlement_stress, strip_t
@@ -18,15 +17,16 @@ module rwmf_simulation_recorder_force_envelopes
       reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, velocities_at_knots, velocity
-   use rwmf_problem_case, only: case_t, has_numbers, numbers_of, output_t, seeks
+   use rwmf_problem_case, only: case_t, has_numbers, numbers_of, seeks
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_first_change, only: stop_at_change
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_events_watched_spans, only: moment_t, span_between, span_of, span_t, watch_t
    use rwmf_simulation_recorder_element_demands, only: element_extremes_t, &
-      extremes_of, force_of, put_elements, travel_of, watched_elements
-   use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece
+      element_ids, extremes_of, force_of, of_force, of_least_force, put_elements, travel_of, watched_elements
+   use rwmf_simulation_recorder_peak_search, only: begin_search, keep_sought, &
+      peak_family_t, peak_search_t, put_peaks, search_piece
    use rwmf_simulation_recorder_step_states, only: step_states_t
    implicit none
    private
@@ -97,7 +97,6 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at the beginning
       real(wp), allocatable :: least(:)
-      integer :: i
 
       if (.not. allocated(case%output)) return
       if (.not. case%output%envelopes) return
@@ -121,54 +120,56 @@ contains
             least = [least, spread(-huge(1.0_wp), 1, 2*size(recorder%watched))]
          end if
          call begin_search(recorder, equation, y, least)
-         if (.not. equation%has_wall) return
-         call mark_equal_sections(recorder, equation)
-         ! only tendons report their smallest force
-         associate (last => size(recorder%leader))
-            do i = 1, size(recorder%watched)
-               if (equation%elements(recorder%watched(i))%group /= of_cable) recorder%leader(last &
-                  - 2*size(recorder%watched) + 2*i) = 0
-            end do
-         end associate
+         if (equation%has_wall) call mark_equal_sections(recorder, equation)
       end associate
-      call drop_others(recorder, case%output)
+      recorder%families = families_of(recorder, equation)
+      call keep_sought(recorder, case%output)
+      recorder%sums_strokes = seeks(case%output, [id%fuse_stroke_sum_m, id%fuse_i_stroke_sum_m, &
+         id%restraint_i_stroke_sum_m, id%coupling_stroke_sum_m])
    end subroutine create_envelopes
 
-   !> Drop the searches that serve no requested quantity.
-   pure subroutine drop_others(recorder, output)
-      type(envelope_recorder_t), intent(inout) :: recorder
-      !! of a scene with a wall
-      type(output_t), intent(in) :: output
-      logical :: is_requested(size(recorder%leader)), serves(size(recorder%leader))
-      integer :: q
+   !> Outputs of the searches.
+   pure function families_of(recorder, equation) result(families)
+      type(envelope_recorder_t), intent(in) :: recorder
+      type(equation_t), intent(in) :: equation
+      type(peak_family_t), allocatable :: families(:)
+      integer :: i, first, last
 
-      recorder%sums_strokes = seeks(output, [id%fuse_stroke_sum_m, id%fuse_i_stroke_sum_m, &
-         id%restraint_i_stroke_sum_m, id%coupling_stroke_sum_m])
-      ! forces of the vertical elements
-      is_requested = seeks(output, [id%fuse_i_force_max_over_m_w_g, &
-         id%restraint_i_force_max_over_m_w_g, id%coupling_force_max_over_m_w_g, &
-         id%cable_i_force_max_over_m_w_g, id%cable_i_force_min_over_m_w_g])
-      associate (n => recorder%building%floors)
-         is_requested(:n) = seeks(output, [id%floor_i_velocity_max_m_s])
-         is_requested(n + of_normal) = seeks(output, [id%pivot_normal_max_over_m_w_g])
-         is_requested(n + of_base:n + of_middle - 1) = seeks(output, &
-            [id%wall_shear_base_max_over_m_w_g, id%wall_moment_base_max_over_m_w_g_m])
-         is_requested(n + of_middle:n + of_sections) = seeks(output, &
-            [id%wall_shear_mid_max_over_m_w_g, id%wall_moment_mid_max_over_m_w_g_m])
-         associate (last => n + of_sections + per_floor*n)
-            is_requested(n + of_sections + 1:last) = seeks(output, &
-               [id%wall_shear_i_max_over_m_w_g, id%wall_shear_i_above_max_over_m_w_g, &
-               id%wall_moment_i_max_over_m_w_g_m, id%wall_moment_i_above_max_over_m_w_g_m])
-            is_requested(last + 1:last + recorder%n_links) = seeks(output, &
-               [id%link_i_force_max_over_m_w_g])
-            if (allocated(recorder%strip)) is_requested(last + recorder%n_links + 1:last &
-               + recorder%n_links + of_strip) = seeks(output, [id%contact_length_min_m, &
-               id%toe_stress_max_Pa, id%toe_strain_max])
-         end associate
+      associate (n => recorder%building%floors, links => recorder%n_links, g => equation%p%g)
+         families = [peak_family_t(id%floor_i_velocity_max_m_s, 1, n)]
+         if (.not. equation%has_wall) return
+         first = n + of_sections + 1
+         last = n + of_sections + per_floor*n + links
+         families = [families, peak_family_t(id%pivot_normal_max_over_m_w_g, n + of_normal), &
+            peak_family_t(id%wall_shear_base_max_over_m_w_g, n + of_base), &
+            peak_family_t(id%wall_moment_base_max_over_m_w_g_m, n + of_base + 1), &
+            peak_family_t(id%wall_shear_mid_max_over_m_w_g, n + of_middle), &
+            peak_family_t(id%wall_moment_mid_max_over_m_w_g_m, n + of_middle + 1), &
+            peak_family_t(id%wall_shear_i_max_over_m_w_g, first, n, per_floor), &
+            peak_family_t(id%wall_shear_i_above_max_over_m_w_g, first + 1, n, per_floor), &
+            peak_family_t(id%wall_moment_i_max_over_m_w_g_m, first + 2, n, per_floor), &
+            peak_family_t(id%wall_moment_i_above_max_over_m_w_g_m, first + 3, n, per_floor), &
+            peak_family_t(id%link_i_force_max_over_m_w_g, last - links + 1, links, &
+            below=n - links)]
+         families(2:)%unit = g
+         families(3:)%is_put = has_section_forces(equation)
       end associate
-      serves = [(any(is_requested .and. recorder%leader == q), q=1, size(serves))]
-      where (.not. is_requested .and. .not. serves) recorder%leader = 0
-   end subroutine drop_others
+      if (allocated(recorder%strip)) then
+         families = [families, peak_family_t(id%contact_length_min_m, last + 1, unit=-1.0_wp), &
+            peak_family_t(id%toe_stress_max_Pa, last + 2, limit=recorder%strip%strength)]
+         if (allocated(recorder%modulus)) families = [families, &
+            peak_family_t(id%toe_strain_max, last + 2, unit=recorder%modulus)]
+         last = last + of_strip
+      end if
+      do i = 1, size(recorder%watched)
+         associate (ids => element_ids(:, equation%elements(recorder%watched(i))%group))
+            families = [families, peak_family_t(ids(of_force), last + 2*i - 1, is_put=.false.)]
+            ! only tendons report their smallest force
+            if (ids(of_least_force) > 0) families = [families, peak_family_t( &
+               ids(of_least_force), last + 2*i, is_put=.false.)]
+         end associate
+      end do
+   end function families_of
 
    !> Numbers of the quantities whose values are sums of series: the normal force of the pivot, and
    !> with a frame the force of its link.
@@ -494,46 +495,17 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at the end
       type(element_extremes_t) :: elements(size(recorder%watched))
-      integer :: i, n
+      integer :: i
 
-      n = recorder%building%floors
-      if (n > 0) call put(values, id%floor_i_velocity_max_m_s, recorder%largest(:n))
-      if (.not. equation%has_wall) return
-      do i = 1, size(elements)
-         elements(i) = extremes_of(equation, recorder%watched(i), theta, y)
-         elements(i)%travel = recorder%travel(i)
-         associate (last => size(recorder%largest) - 2*(size(elements) - i))
-            elements(i)%force = [-1, 1]*recorder%largest([last, last - 1])/equation%p%g
-         end associate
-      end do
-      call put_elements(values, elements)
-      if (allocated(recorder%strip)) then
-         associate (last => size(recorder%largest) - 2*size(elements))
-            call put(values, id%contact_length_min_m, -recorder%largest(last - 1))
-            call put(values, id%toe_stress_max_Pa, min(recorder%largest(last), &
-               recorder%strip%strength))
-            if (allocated(recorder%modulus)) call put(values, id%toe_strain_max, &
-               recorder%largest(last)/recorder%modulus)
-         end associate
-      end if
-      associate (forces => recorder%largest(n + 1:)/equation%p%g)
-         call put(values, id%pivot_normal_max_over_m_w_g, forces(of_normal))
-         if (.not. has_section_forces(equation)) return
-         call put(values, id%wall_shear_base_max_over_m_w_g, forces(of_base))
-         call put(values, id%wall_moment_base_max_over_m_w_g_m, forces(of_base + 1))
-         call put(values, id%wall_shear_mid_max_over_m_w_g, forces(of_middle))
-         call put(values, id%wall_moment_mid_max_over_m_w_g_m, forces(of_middle + 1))
-         if (n == 0) return
-         associate (sections => reshape(forces(of_sections + 1:of_sections + per_floor*n), &
-                    [per_floor, n]), last => of_sections + per_floor*n + recorder%n_links)
-            call put(values, id%wall_shear_i_max_over_m_w_g, sections(1, :))
-            call put(values, id%wall_shear_i_above_max_over_m_w_g, sections(2, :))
-            call put(values, id%wall_moment_i_max_over_m_w_g_m, sections(3, :))
-            call put(values, id%wall_moment_i_above_max_over_m_w_g_m, sections(4, :))
-            call put(values, id%link_i_force_max_over_m_w_g, forces(last - recorder%n_links &
-               + 1:last), n - recorder%n_links)
-         end associate
+      call put_peaks(values, recorder)
+      associate (last => size(recorder%largest) - 2*size(elements))
+         do i = 1, size(elements)
+            elements(i) = extremes_of(equation, recorder%watched(i), theta, y)
+            elements(i)%travel = recorder%travel(i)
+            elements(i)%force = [-1, 1]*recorder%largest([last + 2*i, last + 2*i - 1])/equation%p%g
+         end do
       end associate
+      call put_elements(values, elements)
    end subroutine put_envelope_extremes
 
 end module rwmf_simulation_recorder_force_envelopes

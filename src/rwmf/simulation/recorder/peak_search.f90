@@ -14,6 +14,8 @@ module rwmf_simulation_recorder_peak_search
    use rwmf_model_equation, only: ground, has_further_effects
    use rwmf_model_system_assembly, only: equation_t, interval_of, rates_at
    use rwmf_motion_ground_motion, only: turning_point
+   use rwmf_problem_case, only: output_t, seeks
+   use rwmf_problem_quantity_values, only: put, values_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, rates_in, &
       sample_state, step_view_t, turning_frequency
    use rwmf_simulation_recorder_peak_place, only: has_peak_inside, n_nodes, node
@@ -23,7 +25,33 @@ module rwmf_simulation_recorder_peak_search
    private
 
    public :: peak_search_t, begin_search, has_search, search_piece, search_rest, search_state
-   public :: find_at
+   public :: find_at, peak_family_t, keep_sought, put_peaks
+
+   !> Searches of one quantity, of a single place or of several floors or storeys, and their outputs.
+   type :: peak_family_t
+      integer :: id
+      !! number of the quantity
+      integer :: first
+      !! number of the first search
+      integer :: n = 1
+      !! number of searches
+      integer :: step = 1
+      !! distance between two of them
+      real(wp) :: unit = 1
+      !! unit of the output in that of the search, negative for a smallest value
+      integer :: largest = 0
+      !! number of the quantity that is the largest of all; 0: none
+      integer :: time = 0
+      !! number of the quantity that is its time; 0: none
+      integer :: height = 0
+      !! number of the quantity that is its height along the wall; 0: none
+      real(wp) :: limit = huge(1.0_wp)
+      !! largest value of the output in the unit of the search
+      integer :: below = 0
+      !! number of the floors or storeys below the first
+      logical :: is_put = .true.
+      !! the scene has the outputs, and they follow from the search alone
+   end type peak_family_t
 
    !> Running maxima of quantities, each in its unit.
    type, abstract :: peak_search_t
@@ -31,6 +59,10 @@ module rwmf_simulation_recorder_peak_search
       !! (quantities) [unit of each]
       real(wp), allocatable :: t_largest(:)
       !! (quantities) [s]
+      real(wp), allocatable :: z_largest(:)
+      !! (quantities) height of the largest value along the wall, where it is noted [m]
+      type(peak_family_t), allocatable :: families(:)
+      !! outputs of the searches
       real(wp), allocatable :: smallest(:)
       !! (quantities) lower end of the range so far [unit of each]
       integer, allocatable :: leader(:)
@@ -90,7 +122,7 @@ contains
       self%largest = least
       self%level = least
       associate (n => size(least))
-         allocate (self%t_largest(n), source=0.0_wp)
+         allocate (self%t_largest(n), self%z_largest(n), source=0.0_wp)
          allocate (self%smallest(n), source=huge(1.0_wp))
          allocate (self%leader(n), source=[(q, q=1, n)])
          self%pool = self%leader
@@ -98,6 +130,61 @@ contains
          allocate (self%at_ends(n, 2))
       end associate
    end subroutine begin_search
+
+   !> Drop the searches that serve no requested output.
+   !>
+   !> If only the largest value of a family is requested, its searches form a pool.
+   pure subroutine keep_sought(self, output)
+      class(peak_search_t), intent(inout) :: self
+      type(output_t), intent(in) :: output
+      logical, dimension(size(self%leader)) :: is_sought, is_single
+      !! (quantities) an output is requested; it is not the largest of a family
+      integer :: i, q
+
+      is_sought = .false.
+      is_single = .false.
+      do i = 1, size(self%families)
+         associate (family => self%families(i))
+            do q = family%first, family%first + (family%n - 1)*family%step, family%step
+               is_single(q) = is_single(q) .or. seeks(output, [family%id])
+               is_sought(q) = is_sought(q) .or. seeks(output, [family%id, family%largest, &
+                  family%time, family%height])
+            end do
+         end associate
+      end do
+      where ([(.not. any(is_sought .and. (self%leader == q)), q=1, size(is_sought))] &
+         .and. .not. is_sought) self%leader = 0
+      do i = 1, size(self%families)
+         associate (family => self%families(i), first => self%families(i)%first)
+            if (family%largest == 0) cycle
+            associate (last => first + family%n - 1)
+               if (any(is_single .and. self%leader >= first .and. self%leader <= last)) cycle
+               self%pool(first:last) = first
+            end associate
+         end associate
+      end do
+   end subroutine keep_sought
+
+   !> Put the outputs of the searches.
+   pure subroutine put_peaks(values, self)
+      type(values_t), intent(inout) :: values
+      class(peak_search_t), intent(in) :: self
+      integer :: i, q
+
+      do i = 1, size(self%families)
+         associate (family => self%families(i))
+            if (family%n == 0 .or. .not. family%is_put) cycle
+            associate (found => self%largest(family%first:family%first + (family%n - 1) &
+                       *family%step:family%step))
+               call put(values, family%id, min(found, family%limit)/family%unit, family%below)
+               q = family%first + (maxloc(found, dim=1) - 1)*family%step
+            end associate
+            if (family%largest > 0) call put(values, family%largest, self%largest(q)/family%unit)
+            if (family%time > 0) call put(values, family%time, self%t_largest(q))
+            if (family%height > 0) call put(values, family%height, self%z_largest(q))
+         end associate
+      end do
+   end subroutine put_peaks
 
    !> Note the place along the wall of a new largest value. By default there is nothing to note.
    subroutine note_place(self, q)
