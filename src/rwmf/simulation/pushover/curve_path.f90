@@ -61,31 +61,24 @@ contains
    subroutine begin_path(path)
       type(curve_path_t), intent(inout) :: path
       !! with scene, curve and overturning angle
-
-      allocate (path%has_yielded(size(path%scene%z)), source=.false.)
-      allocate (path%rates(size(path%scene%q)))
-      call choose_moment_step(path)
-      call renew_window(path%scene%equation%model_t, path%scene%equation%state)
-      call record_row(path%scene, path%work, path%curve)
-   end subroutine begin_path
-
-   !> Choose the steps of the moment that lifts the wall: sixteen for the moment of its weight, at
-   !> most 64 for that of weight and tendon.
-   subroutine choose_moment_step(path)
-      type(curve_path_t), intent(inout) :: path
-      real(wp), parameter :: of_weight = 16, of_all = 64
       real(wp) :: moment(2)
       integer :: i
 
-      if (.not. path%scene%is_held) return
-      do i = 1, 2
-         moment(i) = control_value(path%scene, prescribed_t(of_uplift, 2*i - 3), path%scene%y, &
-            path%scene%load)
-      end do
-      associate (p => path%scene%equation%p)
-         path%moment_step = max(p%g*p%R*p%sin_alpha/of_weight, maxval(abs(moment))/of_all)
-      end associate
-   end subroutine choose_moment_step
+      allocate (path%has_yielded(size(path%scene%z)), source=.false.)
+      allocate (path%rates(size(path%scene%q)))
+      if (path%scene%is_held) then
+         ! sixteen steps for the moment of the weight, at most 64 for that of weight and tendon
+         do i = 1, 2
+            moment(i) = control_value(path%scene, prescribed_t(of_uplift, 2*i - 3), path%scene%y, &
+               path%scene%load)
+         end do
+         associate (p => path%scene%equation%p)
+            path%moment_step = max(p%g*p%R*p%sin_alpha/16, maxval(abs(moment))/64)
+         end associate
+      end if
+      call renew_window(path%scene%equation%model_t, path%scene%equation%state)
+      call record_row(path%scene, path%work, path%curve)
+   end subroutine begin_path
 
    !> Move the roof to a displacement, with equal steps.
    subroutine move_roof(path, u_end, spacing_of_rows, is_complete)
@@ -570,7 +563,7 @@ contains
                name = element_name(model%elements, model%springs(i)%element, &
                   path%scene%has_offsets)
             else if (count(model%springs%element == 0) > 1) then
-               name = storey_name(i)
+               name = 'storey_'//integer_to_text(i)
             end if
             call mark_branch(path, name, branch_word(model%springs(i)%spring, state%springs(i)))
          end do
@@ -606,15 +599,6 @@ contains
       end associate
    end function element_name
 
-   !> Name of a storey in marks.
-   pure function storey_name(number) result(name)
-      integer, intent(in) :: number
-      !! number of the storey, from the ground up
-      character(mark_length) :: name
-
-      name = 'storey_'//integer_to_text(number)
-   end function storey_name
-
    !> Name of a storey in marks, or of the frame if it yields as one spring at the roof.
    pure function spring_name(model, number) result(name)
       type(model_t), intent(in) :: model
@@ -622,7 +606,7 @@ contains
       !! number of the storey, from the ground up
       character(mark_length) :: name
 
-      name = storey_name(number)
+      name = 'storey_'//integer_to_text(number)
       if (follows_roof(model)) name = 'frame'
    end function spring_name
 

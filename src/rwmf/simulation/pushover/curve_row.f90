@@ -55,12 +55,19 @@ contains
       type(static_scene_t), intent(in) :: scene
       type(static_curve_t), intent(in) :: curve
       type(values_t), intent(inout) :: row
-      real(wp) :: u(size(scene%pattern)), arm
+      real(wp) :: u(size(scene%pattern)), arm, unit
 
       u = loaded_displacements(scene, scene%y)
       arm = curve%height
       if (allocated(scene%building%z)) arm = dot_product(scene%pattern, scene%building%z)
-      associate (ratio => scene%load*mass_unit(scene)/scene%building%weight)
+      ! the mass that the equation of motion has as its unit, without a wall
+      unit = scene%building%unit
+      if (.not. (scene%equation%has_wall .or. scene%equation%floors%n > 0)) then
+         ! floors in proportion to the roof move the mass sum(m share**2)
+         if (allocated(scene%building%share)) unit = sum(scene%building%m &
+            *scene%building%share**2)
+      end if
+      associate (ratio => scene%load*unit/scene%building%weight)
          call put(row, id%base_shear_over_weight, ratio)
          call put(row, id%overturning_moment_over_weight_m, ratio*arm)
       end associate
@@ -76,18 +83,6 @@ contains
 
       energy = yielding_loss(scene%equation, scene%y) + scene%spent
    end function dissipated_energy
-
-   !> Reference mass of load and energies over the unit of mass: 1 with a wall, without it the mass
-   !> that the equation of motion has as its unit [-].
-   pure real(wp) function mass_unit(scene)
-      type(static_scene_t), intent(in) :: scene
-
-      mass_unit = scene%building%unit
-      if (scene%equation%has_wall .or. scene%equation%floors%n > 0) return
-      ! floors in proportion to the roof move the mass sum(m share**2)
-      if (allocated(scene%building%share)) mass_unit = sum(scene%building%m &
-         *scene%building%share**2)
-   end function mass_unit
 
    !> Write forces of the cable, the fuses and the frame, drifts and shears of the storeys.
    subroutine put_structure(scene, row)

@@ -24,14 +24,14 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_events_watched_spans, only: moment_t, span_between, span_of, span_t, watch_t
    use rwmf_simulation_recorder_element_demands, only: element_extremes_t, &
-      element_ids, extremes_of, force_of, of_force, of_least_force, put_elements, travel_of, watched_elements
+      element_ids, extremes_of, force_of, of_force, of_least_force, put_elements, travel_of, &
+      watched_elements
    use rwmf_simulation_recorder_peak_search, only: begin_search, keep_sought, &
-      peak_family_t, peak_search_t, put_peaks, search_piece
-   use rwmf_simulation_recorder_step_states, only: step_states_t
+      peak_family_t, peak_search_t, put_peaks
    implicit none
    private
 
-   public :: envelope_recorder_t, create_envelopes, observe_envelopes
+   public :: envelope_recorder_t, create_envelopes, follow_elements
    public :: put_envelopes, put_envelope_extremes
    public :: place_sections, lay_strip, find_sections, put_strip, of_series
 
@@ -377,25 +377,12 @@ contains
          - self%velocity_before
    end function floor_velocities
 
-   !> Update the envelopes over smooth motion inside the last step of the integrator.
-   subroutine observe_envelopes(recorder, piece, states, error)
-      type(envelope_recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: piece
-      type(step_states_t), allocatable, intent(inout) :: states
-      !! as for `search_piece`
-      type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails
-
-      call search_piece(recorder, piece, states, error)
-      if (allocated(error) .or. .not. recorder%sums_strokes) return
-      if (size(recorder%watched) > 0) call follow_elements(recorder, piece, error)
-   end subroutine observe_envelopes
-
    !> Add the travel of the elements over a piece, with every turning point of the rotation.
    subroutine follow_elements(recorder, piece, error)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       integer, parameter :: most_turns = 20
       !! further ones in a piece are round-off
       type(rotation_t) :: rotation
@@ -405,6 +392,7 @@ contains
       logical :: turns
       integer :: i
 
+      if (.not. recorder%sums_strokes .or. size(recorder%watched) == 0) return
       if (keeps_direction(piece)) then
          call add_travel(recorder, piece%equation, piece%y_a(1), piece%y_b(1))
          return
