@@ -62,9 +62,9 @@ module rwmf_embedding_stepping
    type :: wall_state_t
       real(wp) :: t
       !! time of this state: end of the last advance, overturning or collapse [s]
-      logical :: at_rest
-      logical :: overturned
-      logical :: collapsed
+      logical :: at_rest = .false.
+      logical :: overturned = .false.
+      logical :: collapsed = .false.
       !! a drift exceeded the limit of an effect
       real(wp) :: theta = 0
       !! rotation [rad]
@@ -82,9 +82,9 @@ module rwmf_embedding_stepping
       !! largest |u_s| so far [m]
       real(wp) :: theta_max = 0
       !! largest |theta| so far [rad]
-      integer(i8) :: impacts
+      integer(i8) :: impacts = 0
       !! number of impacts so far
-      integer(i8) :: lift_offs
+      integer(i8) :: lift_offs = 0
       !! number of uplifts so far
       integer(i8) :: steps
       !! steps of the integrator so far
@@ -401,11 +401,7 @@ contains
       call copy_base(instance, base)
       associate (of => base%series, extremes => base%record%extremes)
          state%t = base%t
-         state%at_rest = .false.
          state%overturned = base%has_overturned
-         state%collapsed = .false.
-         state%impacts = 0
-         state%lift_offs = 0
          state%steps = base%steps
          state%theta = of%theta(0)
          state%theta_dot = of%theta_dot(0)

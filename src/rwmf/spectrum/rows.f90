@@ -340,7 +340,14 @@ contains
       else
          row%structure_t = rows%case%structure_t
          row%solver = rows%case%solver
-         if (rows%has_own_motion) call take_motion(rows%case, row)
+         if (rows%has_own_motion) then
+            ! the description of the motion, without the samples of its records
+            row%motion = rows%case%motion
+            if (allocated(rows%case%upward_record)) then
+               if (.not. allocated(row%upward_record)) allocate (row%upward_record)
+               row%upward_record%factor = rows%case%upward_record%factor
+            end if
+         end if
       end if
       do axis = 1, size(axes)
          if (rows%axis_column(axis) == 0) cycle
@@ -372,17 +379,6 @@ contains
       is_allowed = value > 0 .or. (axes(axis) == 'gamma' .and. value >= 0 &
          .and. .not. has_floors(case))
    end function is_allowed
-
-   !> Copy the description of the motion, without the samples of its records.
-   pure subroutine take_motion(case, row)
-      type(case_t), intent(in) :: case
-      type(case_t), intent(inout) :: row
-
-      row%motion = case%motion
-      if (.not. allocated(case%upward_record)) return
-      if (.not. allocated(row%upward_record)) allocate (row%upward_record)
-      row%upward_record%factor = case%upward_record%factor
-   end subroutine take_motion
 
    !> Apply a factor to the horizontal motion: to the scale of a record or the size of a pulse.
    subroutine scale_motion(case, factor, row, error)

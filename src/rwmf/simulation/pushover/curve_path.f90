@@ -23,7 +23,7 @@ module rwmf_simulation_pushover_curve_path
    use rwmf_simulation_pushover_static_scene, only: prescribed_t, control_value, find_equilibrium, &
       find_tangent, follow_positions, loaded_displacements, loaded_slopes, of_load, of_roof, &
       of_uplift, roof_can_move, static_forces, static_scene_t
-   use rwmf_simulation_static_rest, only: directions, turn_springs
+   use rwmf_simulation_static_rest, only: directions, turn_along, turn_springs
    use rwmf_text_strings, only: integer_to_text
    implicit none
    private
@@ -177,8 +177,6 @@ contains
    subroutine turn_consistently(path, is_found)
       type(curve_path_t), intent(inout) :: path
       logical, intent(out) :: is_found
-      integer, allocatable :: before(:)
-      real(wp), allocatable :: y(:)
       type(prescribed_t) :: control
       type(discrete_state_t) :: kept
       integer :: i
@@ -190,11 +188,7 @@ contains
          do i = 1, 2*(size(scene%q) + size(scene%z) + 2)
             call find_tangent(scene, control, path%rates, path%load_rate, is_found)
             if (.not. is_found) return
-            before = directions(model, state)
-            y = scene%y
-            y(scene%v) = path%rates
-            call turn_springs(model, state, y)
-            is_found = all(before == directions(model, state))
+            call turn_along(model, state, scene%y, scene%v, path%rates, is_found)
             if (is_found) exit
          end do
          ! the rate of a smooth spring at its reversal vanishes, and its sign is round-off
@@ -202,53 +196,39 @@ contains
          if (is_found .and. .not. scene%is_held .and. model%has_impacts) then
             if (abs(scene%y(1)) <= 0) is_found = state%side*path%rates(1) > 0
          end if
-         if (is_found) is_found = .not. rebounds(path, kept)
-         if (is_found .and. path%sense /= path%direction) is_found = continues(path)
+         if (is_found) is_found = is_consistent(path, kept)
       end associate
    end subroutine turn_consistently
 
-   !> True if a storey that has just begun to unload moves in its previous direction.
-   logical function rebounds(path, kept)
+   !> True if the rates of the storeys agree with their springs.
+   !>
+   !> No storey that has just begun to unload may move in its previous direction. Where the roof
+   !> turns back, a storey on a falling branch must still move in its loading direction.
+   logical function is_consistent(path, kept)
       type(curve_path_t), intent(in) :: path
       type(discrete_state_t), intent(in) :: kept
       !! state before the springs were turned
       real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
       real(wp) :: y(size(path%scene%y))
-      integer :: before, i
+      integer :: before, now, i
 
-      rebounds = .false.
-      associate (equation => path%scene%equation)
+      is_consistent = path%sense == path%direction
+      associate (equation => path%scene%equation, state => path%scene%equation%state)
          if (.not. allocated(equation%floors%springs)) return
          y = path%scene%y
          y(path%scene%v) = path%rates
-         call storey_motion(equation, equation%state%side, y, d, d_dot)
+         call storey_motion(equation, state%side, y, d, d_dot)
          do i = 1, size(d)
             before = loading_direction_of(equation, kept, i)
-            rebounds = rebounds .or. (before*d_dot(i) > 0 &
-               .and. before /= loading_direction_of(equation, equation%state, i))
+            now = loading_direction_of(equation, state, i)
+            if (before*d_dot(i) > 0 .and. before /= now) then
+               is_consistent = .false.
+               return
+            end if
+            is_consistent = is_consistent .or. (is_softening(state, i) .and. now*d_dot(i) > 0)
          end do
       end associate
-   end function rebounds
-
-   !> True if a storey on a falling branch still moves in its loading direction.
-   logical function continues(path)
-      type(curve_path_t), intent(in) :: path
-      real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
-      real(wp) :: y(size(path%scene%y))
-      integer :: i
-
-      continues = .false.
-      associate (equation => path%scene%equation)
-         if (.not. allocated(equation%floors%springs)) return
-         y = path%scene%y
-         y(path%scene%v) = path%rates
-         call storey_motion(equation, equation%state%side, y, d, d_dot)
-         do i = 1, size(d)
-            continues = continues .or. (is_softening(equation%state, i) &
-               .and. loading_direction_of(equation, equation%state, i)*d_dot(i) > 0)
-         end do
-      end associate
-   end function continues
+   end function is_consistent
 
    !> Choose the quantity that the next step prescribes.
    subroutine choose_control(path, goal, control)
@@ -674,18 +654,12 @@ contains
       logical, intent(out) :: is_settled
       !! no spring has changed its branch
       real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
-      real(wp), allocatable :: moving(:)
-      integer, allocatable :: before(:)
       real(wp) :: low, high
       integer :: i
 
       associate (scene => path%scene, model => path%scene%equation%model_t, &
                  state => path%scene%equation%state)
-         before = directions(model, state)
-         moving = scene%y
-         moving(scene%v) = y(scene%q) - scene%y(scene%q)
-         call turn_springs(model, state, moving)
-         is_settled = all(before == directions(model, state))
+         call turn_along(model, state, scene%y, scene%v, y(scene%q) - scene%y(scene%q), is_settled)
          if (.not. allocated(model%floors%springs)) return
          call storey_motion(model, state%side, y, d, d_dot)
          do i = 1, size(d)

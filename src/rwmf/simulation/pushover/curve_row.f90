@@ -116,11 +116,22 @@ contains
       type(links_t) :: links
       type(reactions_t) :: reactions
       type(section_extremes_t) :: extremes
-      real(wp) :: added(2), base(2)
+      real(wp) :: added(2), base(2), below(2, 1), above(2, 1)
+      !! forces of the load on linked floors; shear [m/s2] and moment [m2/s2] over m_w
 
       call find_links(scene, links, added)
-      if (has_section_forces(scene%equation)) call find_wall_forces(scene, links, extremes, base)
       associate (equation => scene%equation, y => scene%y, g => scene%equation%p%g)
+         ! largest section forces of the wall, and those at its base
+         if (has_section_forces(equation) .and. equation%beam%n > 0) then
+            call find_bent_extremes(scene%building%sections, equation, 0.0_wp, y, 0*y, links, &
+               extremes)
+            call find_bent_sections(scene%building%sections, equation, 0.0_wp, y, 0*y, links)
+            base = scene%building%sections%below_node(:, 0)
+         else if (has_section_forces(equation)) then
+            call find_section_extremes(equation, 0.0_wp, y, 0.0_wp, links, extremes)
+            call find_forces_beside(equation, 0.0_wp, y, 0.0_wp, links, [0.0_wp], below, above)
+            base = below(:, 1)
+         end if
          reactions = reactions_at(equation, 0.0_wp, y, 0*y)
          reactions%normal = reactions%normal - added(2)
          reactions%horizontal = reactions%horizontal - added(1)
@@ -181,28 +192,5 @@ contains
          links%force(2, :) = links%force(2, :) + tilt*push
       end associate
    end subroutine find_links
-
-   !> Find the largest section forces of the wall, and those at its base.
-   subroutine find_wall_forces(scene, links, extremes, base)
-      type(static_scene_t), intent(inout) :: scene
-      type(links_t), intent(in) :: links
-      type(section_extremes_t), intent(out) :: extremes
-      real(wp), intent(out) :: base(2)
-      !! shear [m/s2] and moment [m2/s2] over m_w
-      real(wp) :: below(2, 1), above(2, 1)
-
-      associate (equation => scene%equation, y => scene%y)
-         if (equation%beam%n > 0) then
-            call find_bent_extremes(scene%building%sections, equation, 0.0_wp, y, 0*y, links, &
-               extremes)
-            call find_bent_sections(scene%building%sections, equation, 0.0_wp, y, 0*y, links)
-            base = scene%building%sections%below_node(:, 0)
-         else
-            call find_section_extremes(equation, 0.0_wp, y, 0.0_wp, links, extremes)
-            call find_forces_beside(equation, 0.0_wp, y, 0.0_wp, links, [0.0_wp], below, above)
-            base = below(:, 1)
-         end if
-      end associate
-   end subroutine find_wall_forces
 
 end module rwmf_simulation_pushover_curve_row

@@ -97,6 +97,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at the beginning
       real(wp), allocatable :: least(:)
+      integer :: i
 
       if (.not. allocated(case%output)) return
       if (.not. case%output%envelopes) return
@@ -120,7 +121,14 @@ contains
             least = [least, spread(-huge(1.0_wp), 1, 2*size(recorder%watched))]
          end if
          call begin_search(recorder, equation, y, least)
-         if (equation%has_wall) call mark_equal_sections(recorder, equation)
+         ! Sections without a link have equal forces on both sides, and the wall ends at the roof:
+         ! forces above them need no separate search.
+         do i = 1, merge(n, 0, equation%has_wall)
+            if (i < n .and. equation%floors%are_linked) cycle
+            associate (first => n + of_sections + per_floor*(i - 1))
+               recorder%leader([first + 2, first + 4]) = first + [1, 3]
+            end associate
+         end do
       end associate
       recorder%families = families_of(recorder, equation)
       call keep_sought(recorder, case%output)
@@ -229,25 +237,6 @@ contains
       recorder%m_w = case%unit_mass
       if (has_numbers(case, 'toe_strain')) recorder%modulus = sum(numbers_of(case, 'toe_strain'))
    end subroutine lay_strip
-
-   !> Mark forces above a section that need no separate search.
-   !>
-   !> Sections without a link have equal forces on both sides, and the wall ends at the roof.
-   subroutine mark_equal_sections(recorder, equation)
-      type(envelope_recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      !! equation of a scene with a wall
-      integer :: i
-
-      associate (n => recorder%building%floors)
-         do i = 1, n
-            if (i < n .and. equation%floors%are_linked) cycle
-            associate (first => n + of_sections + per_floor*(i - 1))
-               recorder%leader([first + 2, first + 4]) = first + [1, 3]
-            end associate
-         end do
-      end associate
-   end subroutine mark_equal_sections
 
    !> Compute the quantities at a state.
    subroutine find_envelopes(self, equation, t, y, y_dot, found)

@@ -70,7 +70,7 @@ module rwmf_simulation_recorder_recorder
 
    !> Running maxima, counts and records.
    type, extends(peaks_t) :: recorder_t
-      real(wp) :: cable_max
+      real(wp) :: cable_max = 0
       !! largest P/(m_w g) of tendons that can yield, go slack or break [-]
       logical :: follows_cable = .false.
       !! a tendon can do that
@@ -78,7 +78,7 @@ module rwmf_simulation_recorder_recorder
       !! the case gives the places of the fuses
       logical :: seeks_velocity = .true.
       !! the largest |theta'| is requested
-      logical :: keeps_energy
+      logical :: keeps_energy = .false.
       type(energy_t) :: energy
       real(wp), allocatable :: drifts(:)
       !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without such storeys
@@ -95,8 +95,8 @@ module rwmf_simulation_recorder_recorder
       !! allocated only if envelopes are requested
       real(wp) :: t_settled = -huge(1.0_wp)
       !! end of the chatter that a rest omits: the forces of rest begin there [s]
-      logical :: keeps_history
-      logical :: keeps_events
+      logical :: keeps_history = .false.
+      logical :: keeps_events = .false.
       !! set with a history, or for a host that steps the wall
       type(history_t), allocatable :: history
       type(values_t) :: row
@@ -110,7 +110,7 @@ module rwmf_simulation_recorder_recorder
       integer :: next_row
       !! first row of the history that is still empty
       type(event_t), allocatable :: events(:)
-      integer :: n_events
+      integer :: n_events = 0
    end type recorder_t
 
 contains
@@ -130,14 +130,8 @@ contains
       recorder%u_max = -1
       recorder%theta_max = -huge(1.0_wp)
       recorder%theta_min = huge(1.0_wp)
-      recorder%cable_max = 0
       recorder%follows_cable = has_tendons(equation)
-      recorder%has_offsets = .false.
       if (allocated(case%fuse)) recorder%has_offsets = allocated(case%fuse%offset)
-      recorder%keeps_energy = .false.
-      recorder%keeps_history = .false.
-      recorder%keeps_events = .false.
-      recorder%n_events = 0
       allocate (recorder%events(0))
       if (equation%floors%yields) then
          allocate (recorder%drifts(equation%floors%n_storeys), source=0.0_wp)
