@@ -110,7 +110,10 @@ contains
       type(member_response_t) :: found
 
       call require_element(element, error)
-      call require_side(element, side, error)
+      if (.not. allocated(error) .and. element%member%equation%has_impacts &
+          .and. abs(side) /= 1) then
+         call fail(error, err_input, 'the side of a rocking wall is 1 or -1; at rest it only holds')
+      end if
       call require_numbers([u, u_dot, u_ddot, u_g_ddot], &
          [character(8) :: 'u', 'u_dot', 'u_ddot', 'u_g_ddot'], error)
       if (allocated(error)) return
@@ -134,17 +137,6 @@ contains
       if (allocated(error) .or. element%member%m_w > 0) return
       call fail(error, err_input, 'no element: it was never created')
    end subroutine require_element
-
-   !> Check that a side is one on which the wall can rock.
-   pure subroutine require_side(element, side, error)
-      type(wall_element_t), intent(in) :: element
-      integer, intent(in) :: side
-      type(error_t), allocatable, intent(inout) :: error
-
-      if (allocated(error) .or. abs(side) == 1) return
-      if (.not. element%member%equation%has_impacts) return
-      call fail(error, err_input, 'the side of a rocking wall is 1 or -1; at rest it only holds')
-   end subroutine require_side
 
    !> Compute the response of the member on a side.
    subroutine respond_on_side(element, side, motion, u_g_ddot, response, error)

@@ -141,7 +141,7 @@ contains
       logical, intent(in), optional :: has_tangents
       !! compute the tangents; default true
       type(pose_t) :: pose
-      logical :: is_complete
+      logical :: is_complete, is_finite
       integer :: direction
       real(wp) :: way
 
@@ -161,7 +161,11 @@ contains
       if (.not. pose%rests) response%hold = ieee_value(response%hold, ieee_quiet_nan)
       if (pose%rests) response%hold = holds(member, state, pose)
       call add_link_springs(member, motion, pose, is_complete, response)
-      if (.not. all_finite(response)) then
+      is_finite = all(ieee_is_finite(response%force)) .and. all(ieee_is_finite([response%theta, &
+         response%theta_dot, response%theta_ddot]))
+      if (is_complete .and. is_finite) is_finite = all(ieee_is_finite(response%stiffness)) &
+         .and. all(ieee_is_finite(response%damping)) .and. all(ieee_is_finite(response%mass))
+      if (.not. is_finite) then
          call fail(error, err_input, 'the force at this motion of wall and ground is not a ' &
             //'finite number')
          response = member_response_t()
@@ -520,16 +524,5 @@ contains
          end do
       end associate
    end subroutine find_links
-
-   !> True if all forces and tangents are finite.
-   pure logical function all_finite(response)
-      type(member_response_t), intent(in) :: response
-
-      all_finite = all(ieee_is_finite(response%force)) .and. all(ieee_is_finite([response%theta, &
-         response%theta_dot, response%theta_ddot]))
-      if (.not. allocated(response%mass)) return
-      all_finite = all_finite .and. all(ieee_is_finite(response%stiffness)) &
-         .and. all(ieee_is_finite(response%damping)) .and. all(ieee_is_finite(response%mass))
-   end function all_finite
 
 end module rwmf_embedding_member_response

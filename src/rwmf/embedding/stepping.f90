@@ -30,7 +30,7 @@ module rwmf_embedding_stepping
    use rwmf_model_system_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       interval_end, motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_case, only: case_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_record, only: upward_group
    use rwmf_problem_rules, only: fail_key
@@ -62,9 +62,9 @@ module rwmf_embedding_stepping
    type :: wall_state_t
       real(wp) :: t
       !! time of this state: end of the last advance, overturning or collapse [s]
-      logical :: at_rest
-      logical :: overturned
-      logical :: collapsed
+      logical :: at_rest = .false.
+      logical :: overturned = .false.
+      logical :: collapsed = .false.
       !! a drift exceeded the limit of an effect
       real(wp) :: theta = 0
       !! rotation [rad]
@@ -82,9 +82,9 @@ module rwmf_embedding_stepping
       !! largest |u_s| so far [m]
       real(wp) :: theta_max = 0
       !! largest |theta| so far [rad]
-      integer(i8) :: impacts
+      integer(i8) :: impacts = 0
       !! number of impacts so far
-      integer(i8) :: lift_offs
+      integer(i8) :: lift_offs = 0
       !! number of uplifts so far
       integer(i8) :: steps
       !! steps of the integrator so far
@@ -126,8 +126,18 @@ contains
          instance%own_motion = motion_from_case(case)
          if (allocated(instance%case%record)) deallocate (instance%case%record)
          if (allocated(instance%case%upward_record)) deallocate (instance%case%upward_record)
-         if (allocated(instance%case%output)) call limit_outputs(instance%case%output, &
-            has_key(case%values, 'output', 'reactions'))
+         if (allocated(instance%case%output)) then
+            associate (output => instance%case%output)
+               if (allocated(output%dt)) deallocate (output%dt)
+               ! reactions and demands take time: they need a request, without the default of a run
+               if (.not. (has_key(case%values, 'output', 'reactions') &
+                          .or. allocated(output%limited))) then
+                  output%reactions = .false.
+                  output%demands = .false.
+                  output%envelopes = .false.
+               end if
+            end associate
+         end if
          if (allocated(case%compliant_base)) then
             call start_on_base(stepping%instance, t_begin, error)
          else
@@ -138,19 +148,6 @@ contains
       end associate
       if (allocated(error)) call destroy_stepping(stepping)
    end subroutine create_stepping
-
-   !> Remove the history; reactions and demands need a request, as they take time.
-   pure subroutine limit_outputs(output, asks_for_reactions)
-      type(output_t), intent(inout) :: output
-      logical, intent(in) :: asks_for_reactions
-      !! the case gives the key; the default of a run does not apply
-
-      if (allocated(output%dt)) deallocate (output%dt)
-      if (asks_for_reactions .or. allocated(output%limited)) return
-      output%reactions = .false.
-      output%demands = .false.
-      output%envelopes = .false.
-   end subroutine limit_outputs
 
    subroutine check_case(stepping, case, t_begin, peak, error)
       type(stepping_t), intent(in) :: stepping
@@ -404,11 +401,7 @@ contains
       call copy_base(instance, base)
       associate (of => base%series, extremes => base%record%extremes)
          state%t = base%t
-         state%at_rest = .false.
          state%overturned = base%has_overturned
-         state%collapsed = .false.
-         state%impacts = 0
-         state%lift_offs = 0
          state%steps = base%steps
          state%theta = of%theta(0)
          state%theta_dot = of%theta_dot(0)

@@ -104,7 +104,10 @@ contains
          !$omp end parallel do
          if (first > n .or. n == 1) return
       end associate
-      call roll_back(group, has_moved)
+      ! a failure of one wall leaves all of them unchanged
+      do i = 1, size(has_moved)
+         if (has_moved(i)) call restore_stepping(group%walls(i), group%before(i), failed)
+      end do
       call add_context(error, 'wall '//trim(integer_to_text(first)))
    end subroutine advance_walls
 
@@ -135,17 +138,6 @@ contains
          wall%instance%control = control_t()
       end associate
    end subroutine advance_one
-
-   subroutine roll_back(group, has_moved)
-      type(wall_group_t), intent(inout) :: group
-      logical, intent(in) :: has_moved(:)
-      type(error_t), allocatable :: error
-      integer :: i
-
-      do i = 1, size(has_moved)
-         if (has_moved(i)) call restore_stepping(group%walls(i), group%before(i), error)
-      end do
-   end subroutine roll_back
 
    !> Save the states of all walls.
    subroutine save_walls(group, snapshots, error)

@@ -33,15 +33,27 @@ module rwmf_embedding_wall_instance
    public :: start_instance, start_on_base, use_host_motion, hold_ground_acceleration
    public :: advance_instance, copy_base, save_state, restore_state
 
+   !> Time of a wall, with the numbers that a snapshot keeps unchanged.
+   type :: wall_time_t
+      real(wp) :: t = 0
+      !! time reached by the host; after overturning or collapse the motion ended earlier [s]
+      real(wp) :: ground = 0
+      !! ground acceleration at this time [m/s2]
+      logical :: follows_host = .false.
+      !! the current motion is that of the host
+      integer(i8) :: steps = 0_i8
+      !! steps of the integrator in all calls
+      real(wp) :: identity(8) = 0
+      !! result of `identity_of`, in mixed units: a snapshot of another wall is refused
+   end type wall_time_t
+
    !> Data of one wall. It is on the heap, because the integrators point into it.
-   type :: wall_instance_t
+   type, extends(wall_time_t) :: wall_instance_t
       type(case_t) :: case
       type(motion_t) :: own_motion
       !! motion of the case
       type(motion_t) :: given_motion
       !! motion given by the host
-      logical :: follows_host = .false.
-      !! the current motion is that of the host
       type(equation_t) :: equation
       class(integrator_t), allocatable :: integrator
       type(hybrid_t) :: hybrid
@@ -50,39 +62,23 @@ module rwmf_embedding_wall_instance
       !! batch of one lane, for methods that step in lanes
       type(base_motion_t), allocatable :: base
       !! a wall on a base that gives has this in place of equation, integrator and hybrid state
-      real(wp) :: t
-      !! time reached by the host; after overturning or collapse the motion ended earlier [s]
-      real(wp) :: ground
-      !! ground acceleration at this time [m/s2]
-      real(wp) :: identity(8) = 0
-      !! result of `identity_of`, in mixed units
       real(wp) :: mass
       !! mass of the wall, or of a bare frame; 1 if the case gives none [kg]
-      integer(i8) :: steps = 0_i8
-      !! steps of the integrator in all calls
       type(control_t) :: control
       !! stop flag of the current call
    end type wall_instance_t
 
    !> State of a wall between two calls. Assignment copies it; it needs no destruction.
-   type :: snapshot_t
+   type, extends(wall_time_t) :: snapshot_t
       logical :: is_filled = .false.
       type(base_motion_t), allocatable :: base
       !! allocated for a wall on a base that gives
-      real(wp) :: identity(8) = 0
-      !! `identity_of` the wall, in mixed units: a snapshot of another wall is refused
-      logical :: follows_host = .false.
-      real(wp) :: t = 0
-      !! time reached by the host [s]
-      real(wp) :: ground = 0
-      !! ground acceleration at this time [m/s2]
       type(discrete_state_t) :: state
       type(hybrid_state_t) :: hybrid
       type(peaks_t) :: peaks
       !! maxima and counts of the recorder
       type(recorder_t), allocatable :: recorder
       !! the whole recorder; allocated if it has more than `peaks`
-      integer(i8) :: steps = 0
       integer(i8) :: rhs_evaluations = 0
       real(wp) :: h = 0
       !! step length of a one-step method [s]
@@ -282,10 +278,7 @@ contains
       !! a one-step method continues from this state without a restart
 
       snapshot%is_filled = .true.
-      snapshot%identity = instance%identity
-      snapshot%follows_host = instance%follows_host
-      snapshot%t = instance%t
-      snapshot%ground = instance%ground
+      snapshot%wall_time_t = instance%wall_time_t
       if (allocated(instance%base)) then
          snapshot%base = instance%base
          return
@@ -294,7 +287,6 @@ contains
       snapshot%hybrid = instance%hybrid%hybrid_state_t
       snapshot%peaks = instance%recorder%peaks_t
       if (has_more_than_peaks(instance%recorder)) snapshot%recorder = instance%recorder
-      snapshot%steps = instance%steps
       snapshot%rhs_evaluations = instance%equation%rhs_evaluations
       select type (method => instance%integrator)
       class is (one_step_t)
@@ -310,12 +302,9 @@ contains
       type(wall_instance_t), pointer, intent(in) :: instance
       type(snapshot_t), intent(in) :: snapshot
 
-      instance%follows_host = snapshot%follows_host
-      instance%t = snapshot%t
-      instance%ground = snapshot%ground
+      instance%wall_time_t = snapshot%wall_time_t
       if (allocated(snapshot%base)) then
          instance%base = snapshot%base
-         instance%steps = snapshot%base%steps
          return
       end if
       instance%equation%state = snapshot%state
@@ -327,7 +316,6 @@ contains
       instance%hybrid%hybrid_state_t = snapshot%hybrid
       if (allocated(snapshot%recorder)) instance%recorder = snapshot%recorder
       instance%recorder%peaks_t = snapshot%peaks
-      instance%steps = snapshot%steps
       instance%equation%rhs_evaluations = snapshot%rhs_evaluations
       select type (method => instance%integrator)
       class is (one_step_t)

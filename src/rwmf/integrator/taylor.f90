@@ -71,7 +71,7 @@ contains
       self%tolerance = tolerance
       self%steps = 0_i8
       self%has_polynomial = .true.
-      self%highest = order_for(tolerance%rtol)
+      self%highest = min(max(8, 2*nint(-0.55_wp*log10(tolerance%rtol))), highest_order)
       self%damper = 0
       self%frequency = huge(1.0_wp)
       if (equation%has_frame) self%frequency = equation%p%omega_s
@@ -89,14 +89,6 @@ contains
       if (status == 0) allocate (self%series(1, 0:highest_order, equation%n), stat=status)
       if (status /= 0) call fail(error, err_numerical, 'out of memory for the integrator')
    end subroutine create_taylor
-
-   !> Highest order of the series for a tolerance.
-   pure integer function order_for(rtol) result(order)
-      real(wp), intent(in) :: rtol
-      integer, parameter :: fewest = 8
-
-      order = min(max(fewest, 2*nint(-0.55_wp*log10(rtol))), highest_order)
-   end function order_for
 
    subroutine start_taylor(self, t, y, span, error)
       class(taylor_t), intent(inout) :: self
@@ -117,14 +109,25 @@ contains
       class(taylor_t), intent(inout) :: self
       real(wp), intent(in) :: t_limit
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: longest, h
+      real(wp) :: longest, h, power
+      integer :: i
 
       self%t0 = self%t1
       self%y0(:) = self%y1
       longest = min(t_limit - self%t0, self%span)
       self%span = huge(longest)
       if (self%damper > 0) call approach_turn(self, longest)
-      call find_negligible_state(self)
+      ! The states of smooth springs at which their powers are negligible: until |z|, they change z
+      ! by factor*|z|**(exponent + 1)/(exponent + 1).
+      self%motion%laws%negligible_state = huge(1.0_wp)
+      do i = 1, size(self%springs, 2)
+         associate (column => self%springs(:, i), coef => self%equation%state%coef)
+            power = coef(1, column(3)) + 1
+            if (abs(coef(1, column(2))) > 0) self%motion%laws%negligible_state = &
+               min(self%motion%laws%negligible_state, 0.5_wp*(allowed(self, column(1))*power &
+               /abs(coef(1, column(2))))**(1/power))
+         end associate
+      end do
       call begin_series(self, longest)
       do
          call expand(self, min(max(self%order + 2, least_order), self%highest))
@@ -163,24 +166,6 @@ contains
       self%motion%laws%negligible_rate = rate_after(turn, time)
       if (abs(self%y0(2)) <= self%motion%laws%negligible_rate(1)) longest = min(longest, 2*time)
    end subroutine approach_turn
-
-   !> Find the states of smooth springs at which their powers are negligible. Until |z|, they change
-   !> z by factor*|z|**(exponent + 1)/(exponent + 1).
-   subroutine find_negligible_state(self)
-      class(taylor_t), intent(inout) :: self
-      real(wp) :: power
-      integer :: i
-
-      self%motion%laws%negligible_state = huge(1.0_wp)
-      do i = 1, size(self%springs, 2)
-         associate (column => self%springs(:, i), coef => self%equation%state%coef)
-            power = coef(1, column(3)) + 1
-            if (abs(coef(1, column(2))) > 0) self%motion%laws%negligible_state = &
-               min(self%motion%laws%negligible_state, 0.5_wp*(allowed(self, column(1))*power &
-               /abs(coef(1, column(2))))**(1/power))
-         end associate
-      end do
-   end subroutine find_negligible_state
 
    !> Length at which states that begin as negligible reach at most twice the limit [s]. Their power
    !> has no series, or one that begins beyond the last term.

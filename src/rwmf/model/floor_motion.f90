@@ -31,10 +31,19 @@ contains
       !! (0:n) [m]
       real(wp), intent(out) :: v(:)
       !! (n) [m/s]
+      real(wp), dimension(size(v)) :: w, w_dot
+      type(kinematics_t) :: kin
 
       u(0) = 0
       if (allocated(model%beam%floors)) then
-         call linked_motion(model, side, y, u(1:), v)
+         ! floors that are linked to a bending wall one by one
+         kin = kinematics_of(model%geometry, side, side*y(1))
+         associate (beam => model%beam, R => model%p%R)
+            w = matmul(beam%floors%phi, y(beam%first:beam%first + beam%n - 1))
+            w_dot = matmul(beam%floors%phi, y(beam%first + beam%n:beam%first + 2*beam%n - 1))
+            u(1:) = beam%floors%share*(side*R*kin%u) + cos(y(1))*w
+            v = (beam%floors%share*R*kin%j - sin(y(1))*w)*y(2) + cos(y(1))*w_dot
+         end associate
          return
       end if
       associate (first => model%floors%first, n => model%floors%free)
@@ -43,51 +52,6 @@ contains
          if (n < size(v)) call frame_motion(model, side, y, u(n + 1), v(n + 1))
       end associate
    end subroutine floor_motion
-
-   !> Compute displacements and velocities of the floors that are linked to a bending wall one by
-   !> one, relative to the ground.
-   pure subroutine linked_motion(model, side, y, u, v)
-      class(model_t), intent(in) :: model
-      integer, intent(in) :: side
-      !! current side, +1 or -1
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(out) :: u(:), v(:)
-      !! (floors) [m], [m/s]
-      type(kinematics_t) :: kin
-      real(wp), dimension(size(u)) :: w, w_dot
-
-      kin = kinematics_of(model%geometry, side, side*y(1))
-      associate (beam => model%beam, R => model%p%R)
-         w = matmul(beam%floors%phi, y(beam%first:beam%first + beam%n - 1))
-         w_dot = matmul(beam%floors%phi, y(beam%first + beam%n:beam%first + 2*beam%n - 1))
-         u = beam%floors%share*(side*R*kin%u) + cos(y(1))*w
-         v = (beam%floors%share*R*kin%j - sin(y(1))*w)*y(2) + cos(y(1))*w_dot
-      end associate
-   end subroutine linked_motion
-
-   !> Accelerations of these floors relative to the ground.
-   pure function linked_accelerations(model, side, y, y_dot) result(a)
-      class(model_t), intent(in) :: model
-      integer, intent(in) :: side
-      !! current side, +1 or -1
-      real(wp), intent(in) :: y(:), y_dot(:)
-      !! (states) and their rates
-      real(wp) :: a(size(model%beam%floors%m))
-      !! (floors) [m/s2]
-      type(kinematics_t) :: kin
-      real(wp), dimension(size(a)) :: w, w_dot, w_ddot
-
-      kin = kinematics_of(model%geometry, side, side*y(1))
-      associate (beam => model%beam, R => model%p%R, n => model%beam%n, &
-                 first => model%beam%first, sine => sin(y(1)), cosine => cos(y(1)))
-         w = matmul(beam%floors%phi, y(first:first + n - 1))
-         w_dot = matmul(beam%floors%phi, y(first + n:first + 2*n - 1))
-         w_ddot = matmul(beam%floors%phi, y_dot(first + n:first + 2*n - 1))
-         a = beam%floors%share*R*(side*kin%k*y(2)**2 + kin%j*y_dot(2)) &
-            + cosine*(w_ddot - w*y(2)**2) - sine*(2*w_dot*y(2) + w*y_dot(2))
-      end associate
-   end function linked_accelerations
 
    !> Compute the displacements of the storeys and their rates.
    pure subroutine storey_motion(model, side, y, d, d_dot)
@@ -120,9 +84,20 @@ contains
       !! (states) states and their rates
       real(wp) :: u_ddot(model%floors%n_storeys)
       !! [m/s2]
+      real(wp), dimension(size(u_ddot)) :: w, w_dot, w_ddot
+      type(kinematics_t) :: kin
 
       if (allocated(model%beam%floors)) then
-         u_ddot = linked_accelerations(model, side, y, y_dot)
+         ! floors that are linked to a bending wall one by one
+         kin = kinematics_of(model%geometry, side, side*y(1))
+         associate (beam => model%beam, R => model%p%R, n => model%beam%n, &
+                    first => model%beam%first, sine => sin(y(1)), cosine => cos(y(1)))
+            w = matmul(beam%floors%phi, y(first:first + n - 1))
+            w_dot = matmul(beam%floors%phi, y(first + n:first + 2*n - 1))
+            w_ddot = matmul(beam%floors%phi, y_dot(first + n:first + 2*n - 1))
+            u_ddot = beam%floors%share*R*(side*kin%k*y(2)**2 + kin%j*y_dot(2)) &
+               + cosine*(w_ddot - w*y(2)**2) - sine*(2*w_dot*y(2) + w*y_dot(2))
+         end associate
          return
       end if
       associate (first => model%floors%first, n => model%floors%free)

@@ -129,6 +129,7 @@ contains
       !! interrupted
       type(result_t) :: stronger
       real(wp) :: step
+      integer :: n, place
 
       step = probe_step(result%rtol)
       if (allocated(case%solver%accuracy)) step = probe_step(case%solver%accuracy)
@@ -154,7 +155,16 @@ contains
       end if
       if (.not. (is_conditioned(case, .true.) .and. has_motion(case))) return
       call compare(step, result, stronger)
-      call warn_of_sensitivity(result)
+      associate (found => result%sensitivities)
+         n = count(found%numbers(:found%n) >= limit)
+         if (n == 0) return
+         place = maxloc(found%numbers(:found%n), dim=1)
+         call add_warning(result, 'sensitive: a motion that is 1 % stronger or weaker may change ' &
+            //trim(integer_to_text(n))//' peaks by their own size, most of all ' &
+            //trim(numbered(key_of(found%ids(place)), found%levels(place)))//' (sensitivity ' &
+            //trim(integer_to_text(nint(found%numbers(place)))) &
+            //'); compare many similar motions')
+      end associate
    end subroutine measure_sensitivities
 
    !> Largest number of steps of the probe.
@@ -256,25 +266,5 @@ contains
       place = max(index(key, '_max', back=.true.), index(key, '_min', back=.true.))
       ending = key(place + 1:)
    end function ending_of
-
-   !> Warn of peaks that a small change of the motion changes strongly.
-   subroutine warn_of_sensitivity(result)
-      type(result_t), intent(inout) :: result
-      !! result with sensitivities
-      character(key_length) :: worst
-      integer :: n, place, largest
-
-      associate (found => result%sensitivities)
-         n = count(found%numbers(:found%n) >= limit)
-         if (n == 0) return
-         place = maxloc(found%numbers(:found%n), dim=1)
-         worst = numbered(key_of(found%ids(place)), found%levels(place))
-         largest = nint(found%numbers(place))
-      end associate
-      call add_warning(result, 'sensitive: a motion that is 1 % stronger or weaker may change ' &
-         //trim(integer_to_text(n))//' peaks by their own size, most of all ' &
-         //trim(worst)//' (sensitivity '//trim(integer_to_text(largest)) &
-         //'); compare many similar motions')
-   end subroutine warn_of_sensitivity
 
 end module rwmf_simulation_peak_sensitivity

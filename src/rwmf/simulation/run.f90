@@ -25,8 +25,8 @@ module rwmf_simulation_run
    use rwmf_simulation_state_hybrid_state, only: hybrid_t, is_at_rest
    use rwmf_simulation_run_values, only: fill_result
    use rwmf_simulation_state_result, only: result_t
-   use rwmf_simulation_warnings, only: list_case_warnings, warn_of_chatter, warn_of_grazing, &
-      warn_of_reactions, warn_of_short_history, warn_of_toe
+   use rwmf_simulation_warnings, only: list_case_warnings, warn_of_motion, warn_of_reactions, &
+      warn_of_toe
    implicit none
    private
 
@@ -48,8 +48,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(equation_t), target :: equation
       class(integrator_t), allocatable :: integrator
-      integer(i8) :: started, rate
-      integer(i8) :: finished
+      integer(i8) :: started, finished, rate
+      real(wp) :: size_guess(2), size_found(2)
+      integer :: pass
 
       call check_single_run(case, error)
       if (allocated(error)) return
@@ -64,42 +65,25 @@ contains
       else
          call build_equation(case, motion, equation)
          call new_integrator(case%solver%method, integrator)
-         call repeat_until_scaled(case, equation, integrator, control, result, error)
+         ! A response much smaller than the guess is integrated again with absolute tolerances for
+         ! its size: tiny responses are then as accurate as large ones.
+         size_guess = guess_size(case, equation)
+         do pass = 1, most_passes
+            call integrate(case, equation, integrator, size_guess, size_found, control, result, &
+               error)
+            if (allocated(error)) exit
+            if (.not. is_much_smaller(case, size_found, size_guess)) exit
+            size_guess = merge(size_found, size_guess, size_found < 0.1_wp*size_guess)
+         end do
          call integrator%destroy()
       end if
       call warn_of_reactions(result)
       call warn_of_toe(case, result)
-      call warn_of_grazing(result)
-      call warn_of_chatter(result)
-      call warn_of_short_history(case%solver%t_end, result)
+      call warn_of_motion(case%solver%t_end, result)
       ! measure the wall-clock time of a run
       call system_clock(finished)
       result%seconds = real(finished - started, wp)/real(rate, wp)
    end subroutine run_once
-
-   !> Integrate with absolute tolerances for an estimated size of the response.
-   !>
-   !> If the response is much smaller, integrate again for its true size. Tiny responses are then as
-   !> accurate as large ones.
-   subroutine repeat_until_scaled(case, equation, integrator, control, result, error)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(inout), target :: equation
-      class(integrator_t), intent(inout) :: integrator
-      type(control_t), intent(in) :: control
-      type(result_t), intent(inout) :: result
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: size_guess(2)
-      real(wp) :: size_found(2)
-      integer :: pass
-
-      size_guess = guess_size(case, equation)
-      do pass = 1, most_passes
-         call integrate(case, equation, integrator, size_guess, size_found, control, result, error)
-         if (allocated(error)) return
-         if (.not. is_much_smaller(case, size_found, size_guess)) return
-         size_guess = merge(size_found, size_guess, size_found < 0.1_wp*size_guess)
-      end do
-   end subroutine repeat_until_scaled
 
    !> Cautious (small) first guess of the largest |theta| and |theta'| (bare frame: |u|, |u'|).
    function guess_size(case, equation) result(guess)
@@ -167,10 +151,21 @@ contains
       type(recorder_t), intent(out) :: recorder
       type(error_t), allocatable, intent(out) :: error
       !! errors of the integrator's `create` and of `create_recorder`
+      type(tolerance_t) :: tolerance
+      real(wp) :: noise, duration
+      !! round-off of the acceleration [rad/s2]; duration of the response [s]
 
       equation%rhs_evaluations = 0
-      call integrator%create(equation, above_round_off(tolerances(case, equation, size_guess), &
-         equation, size_guess), error)
+      tolerance = tolerances(case, equation, size_guess)
+      ! A small difference of large accelerations drives a wall that hardly lifts off. If its
+      ! round-off, integrated over the duration of the response, exceeds the tolerance, no step is
+      ! short enough.
+      if (equation%has_impacts .and. minval(size_guess) > 0) then
+         noise = epsilon(1.0_wp)*equation%uplift%threshold*inverse_inertia(equation)
+         duration = size_guess(1)/size_guess(2)
+         tolerance%atol(:2) = max(tolerance%atol(:2), noise*duration*[duration, 1.0_wp])
+      end if
+      call integrator%create(equation, tolerance, error)
       if (allocated(error)) return
       hybrid%restitution = impact_law(case, equation%p%alpha)
       hybrid%overturning_angle = case%model%overturning_angle
@@ -243,27 +238,6 @@ contains
       end do
       share = minval(d)/sum(d)
    end function stiffest_share
-
-   !> Raise tolerances to the round-off of the acceleration.
-   !>
-   !> A small difference of large accelerations drives a wall that hardly lifts off. If its
-   !> round-off, integrated over the duration of the response, exceeds the tolerance, no step is
-   !> short enough.
-   pure type(tolerance_t) function above_round_off(tolerance, equation, size_guess) result(floored)
-      type(tolerance_t), intent(in) :: tolerance
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: size_guess(2)
-      real(wp) :: noise
-      !! [rad/s2]
-      real(wp) :: duration
-      !! [s]
-
-      floored = tolerance
-      if (.not. equation%has_impacts .or. minval(size_guess) <= 0) return
-      noise = epsilon(1.0_wp)*equation%uplift%threshold*inverse_inertia(equation)
-      duration = size_guess(1)/size_guess(2)
-      floored%atol(:2) = max(floored%atol(:2), noise*duration*[duration, 1.0_wp])
-   end function above_round_off
 
    !> State at t = 0 from `&initial`; zero without it.
    pure function initial_state(case, equation) result(y)

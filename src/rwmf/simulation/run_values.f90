@@ -21,7 +21,7 @@ module rwmf_simulation_run_values
    use rwmf_simulation_recorder_element_demands, only: coupling_ratio, has_places, resting_uplift
    use rwmf_simulation_recorder_energy_balance, only: put_balance
    use rwmf_simulation_recorder_force_envelopes, only: put_envelope_extremes
-   use rwmf_simulation_recorder_reaction_columns, only: put_reaction_extremes
+   use rwmf_simulation_recorder_reaction_extremes, only: put_reaction_extremes
    use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_state_hybrid_state, only: has_ended, hybrid_t, mode_collapsed, &
       mode_overturned
@@ -44,13 +44,10 @@ contains
       type(result_t), intent(inout) :: result
       integer :: i
 
-      result%impacts = recorder%impacts
-      result%lift_offs = recorder%lift_offs
+      result%counts_t = recorder%counts_t
       result%has_impacts = equation%has_impacts
       result%overturned = hybrid%mode == mode_overturned
       result%has_collapsed = hybrid%mode == mode_collapsed
-      result%t_grazing = recorder%t_grazing
-      result%t_chatter = recorder%t_chatter
       result%rhs_evaluations = equation%rhs_evaluations
       result%t_end = hybrid%t
       result%final_state = hybrid%y

@@ -28,15 +28,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! numerical failure or interruption, with time and state
       type(control_t), intent(in), optional :: control
-      type(motion_t) :: motion
-      type(control_t) :: no_control
+      type(control_t) :: used
 
-      motion = motion_from_case(case)
-      if (present(control)) then
-         call simulate_with_motion(case, motion, control, result, error)
-      else
-         call simulate_with_motion(case, motion, no_control, result, error)
-      end if
+      if (present(control)) used = control
+      call simulate_with_motion(case, motion_from_case(case), used, result, error)
    end subroutine simulate
 
    !> Compute the response under a ground motion owned by the caller and shared by many simulations.

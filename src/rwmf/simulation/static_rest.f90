@@ -22,7 +22,7 @@ module rwmf_simulation_static_rest
    implicit none
    private
 
-   public :: come_to_rest, directions, turn_springs, still_rates
+   public :: come_to_rest, directions, turn_along, turn_springs, still_rates
 
    integer, parameter :: most_pieces = 2000
    !! largest number of pieces of a path, each up to the end of a branch
@@ -156,19 +156,6 @@ contains
       where (path%q == 1) unit = frame_travel(model)
    end function unit_lengths
 
-   !> Rates of a state without ground motion.
-   subroutine rates_of(model, path, y, rates)
-      type(model_t), intent(in) :: model
-      type(path_t), intent(in) :: path
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(out) :: rates(:)
-      !! (states)
-      type(lane_motion_t) :: motion
-
-      call still_rates(model, path%state, y, motion, rates)
-   end subroutine rates_of
-
    !> Compute motion and rates of a state without ground motion.
    subroutine still_rates(model, state, y, motion, rates)
       type(model_t), intent(in) :: model
@@ -193,8 +180,9 @@ contains
       !! (free positions)
       real(wp), allocatable :: stiffness(:, :)
       real(wp) :: rates(size(path%y))
-      integer, allocatable :: before(:)
+      logical :: is_settled
       integer :: i
+      type(lane_motion_t) :: motion
 
       allocate (change(size(path%q)), stiffness(size(path%q), size(path%q)))
       if (model%has_bilinear_springs) call renew_window(model, path%state)
@@ -202,12 +190,11 @@ contains
       do i = 1, 2*(size(path%q) + 2)
          path%solutions = path%solutions + 1
          if (takes_too_long(path)) exit
-         call rates_of(model, path, path%y, rates)
+         call still_rates(model, path%state, path%y, motion, rates)
          call stiffness_of(model, path, stiffness)
          call solve_stable(stiffness, path%damping, rates(path%v), mass_of(model, path), change)
-         before = directions(model, path%state)
-         call turn_along(model, path, change)
-         if (all(before == directions(model, path%state))) exit
+         call turn_along(model, path%state, path%y, path%v, change, is_settled)
+         if (is_settled) exit
       end do
    end subroutine find_change
 
@@ -235,17 +222,27 @@ contains
          state%storey_signs%loading_direction]
    end function directions
 
-   !> Unload springs whose displacement changes against their loading direction.
-   subroutine turn_along(model, path, change)
+   !> Unload springs whose displacement changes against their loading direction, at the rates of the
+   !> positions.
+   subroutine turn_along(model, state, y, v, rates, is_settled)
       type(model_t), intent(in) :: model
-      type(path_t), intent(inout) :: path
-      real(wp), intent(in) :: change(:)
-      !! (free positions)
-      real(wp) :: y(size(path%y))
+      type(discrete_state_t), intent(inout) :: state
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      integer, intent(in) :: v(:)
+      !! (positions) indices of their velocities
+      real(wp), intent(in) :: rates(:)
+      !! (positions) in the unit of each per any time
+      logical, intent(out) :: is_settled
+      !! no spring has turned
+      real(wp) :: along(size(y))
+      integer, allocatable :: before(:)
 
-      y = path%y
-      y(path%v) = change
-      call turn_springs(model, path%state, y)
+      along = y
+      along(v) = rates
+      before = directions(model, state)
+      call turn_springs(model, state, along)
+      is_settled = all(before == directions(model, state))
    end subroutine turn_along
 
    !> Unload springs whose displacement changes against their loading direction.
@@ -275,17 +272,18 @@ contains
       !! displacement [m]
       real(wp), dimension(size(path%y)) :: y, along, forward, backward
       integer :: i
+      type(lane_motion_t) :: motion
 
       associate (unit => unit_lengths(model, path))
          do i = 1, size(path%q)
             y = path%y
             y(path%v(i)) = 1
-            call rates_of(model, path, y, forward)
+            call still_rates(model, path%state, y, motion, forward)
             along = 0
             along(path%q(i)) = small/unit(i)
             along(path%z) = forward(path%z)*small/unit(i)
-            call rates_of(model, path, path%y + along, forward)
-            call rates_of(model, path, path%y - along, backward)
+            call still_rates(model, path%state, path%y + along, motion, forward)
+            call still_rates(model, path%state, path%y - along, motion, backward)
             stiffness(:, i) = (backward(path%v) - forward(path%v))*(unit(i)/(2*small))
          end do
       end associate
@@ -510,7 +508,9 @@ contains
       real(wp), parameter :: halves(4) = [0.0_wp, 0.5_wp, 0.5_wp, 1.0_wp]
       real(wp), parameter :: weights(4) = [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp]/6
       real(wp), dimension(size(path%y)) :: y, rates, total
+      logical :: is_settled
       integer :: i, j
+      type(lane_motion_t) :: motion
 
       do i = 1, merge(n, 0, size(path%z) > 0)
          y = path%y
@@ -520,12 +520,12 @@ contains
          do j = 1, 4
             y(path%z) = path%y(path%z) + halves(j)*rates(path%z)
             y(path%q) = path%y(path%q) + halves(j)*change/n
-            call rates_of(model, path, y, rates)
+            call still_rates(model, path%state, y, motion, rates)
             total(path%z) = total(path%z) + weights(j)*rates(path%z)
          end do
          path%y(path%z) = path%y(path%z) + total(path%z)
          path%y(path%q) = path%y(path%q) + change/n
-         call turn_along(model, path, change)
+         call turn_along(model, path%state, path%y, path%v, change, is_settled)
       end do
       if (size(path%z) == 0) path%y(path%q) = path%y(path%q) + change
    end subroutine move_along
@@ -539,11 +539,12 @@ contains
       !! angular acceleration over g/R [-]
       real(wp) :: rates(size(path%y))
       integer :: side
+      type(lane_motion_t) :: motion
 
       call release_wall(path%state)
       do side = -1, 1, 2
          call enter_side(model, path%state, side)
-         call rates_of(model, path, path%y, rates)
+         call still_rates(model, path%state, path%y, motion, rates)
          lifts = side*rates(2) > negligible*model%p%g_over_R
          if (.not. lifts) cycle
          path%is_held = .false.

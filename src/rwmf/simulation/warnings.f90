@@ -15,8 +15,7 @@ module rwmf_simulation_warnings
    implicit none
    private
 
-   public :: list_case_warnings, warn_of_chatter, warn_of_grazing, warn_of_reactions
-   public :: warn_of_short_history, warn_of_toe
+   public :: list_case_warnings, warn_of_motion, warn_of_reactions, warn_of_toe
 
 contains
 
@@ -56,37 +55,25 @@ contains
       end associate
    end subroutine warn_of_toe
 
-   !> Warn if numerical errors may decide on contact between wall and base.
-   subroutine warn_of_grazing(result)
-      type(result_t), intent(inout) :: result
-
-      if (result%t_grazing < 0) return
-      call add_warning(result, 'at t = '//trim(rounded_text(result%t_grazing)) &
-         //' s the wall turns back on its base or hardly above it: what follows may depend ' &
-         //'on the tolerance; &solver verify = .true. shows how much')
-   end subroutine warn_of_grazing
-
-   !> Warn of averaged bounces, after which the phase of the flights is unknown.
-   subroutine warn_of_chatter(result)
-      type(result_t), intent(inout) :: result
-
-      if (result%t_chatter < 0) return
-      call add_warning(result, 'from t = '//trim(rounded_text(result%t_chatter)) &
-         //' s on, bounces below the resolution of rtol are averaged or, beside moving floors, ' &
-         //'left out (e near 1): the instants of later lift-offs are not those of single bounces')
-   end subroutine warn_of_chatter
-
-   !> Warn of a history that ends early with the motion.
-   subroutine warn_of_short_history(t_end, result)
+   !> Warn if numerical errors may decide on contact between wall and base, of averaged bounces,
+   !> after which the phase of the flights is unknown, and of a history that ends early.
+   subroutine warn_of_motion(t_end, result)
       real(wp), intent(in) :: t_end
       !! requested end of the history [s]
       type(result_t), intent(inout) :: result
 
-      if (.not. (allocated(result%history) .and. result%t_end < t_end)) return
-      call add_warning(result, 'the history ends at t = '//trim(rounded_text(result%t_end)) &
-         //' s, when '//trim(merge('the wall overturned', 'the frame collapsed', &
-         result%overturned)))
-   end subroutine warn_of_short_history
+      if (result%t_grazing >= 0) call add_warning(result, 'at t = ' &
+         //trim(rounded_text(result%t_grazing)) &
+         //' s the wall turns back on its base or hardly above it: what follows may depend ' &
+         //'on the tolerance; &solver verify = .true. shows how much')
+      if (result%t_chatter >= 0) call add_warning(result, 'from t = ' &
+         //trim(rounded_text(result%t_chatter)) &
+         //' s on, bounces below the resolution of rtol are averaged or, beside moving floors, ' &
+         //'left out (e near 1): the instants of later lift-offs are not those of single bounces')
+      if (allocated(result%history) .and. result%t_end < t_end) call add_warning(result, &
+         'the history ends at t = '//trim(rounded_text(result%t_end))//' s, when ' &
+         //trim(merge('the wall overturned', 'the frame collapsed', result%overturned)))
+   end subroutine warn_of_motion
 
    !> List the warnings about a case before its simulation, one line each.
    subroutine list_case_warnings(case, motion, in_grid, keys, lines)
@@ -99,6 +86,8 @@ contains
       character(256), allocatable, intent(out) :: lines(:)
       !! (warnings)
       real(wp), allocatable :: gamma(:), b(:)
+      real(wp) :: lowest
+      !! [m/s2]
 
       call list_unusual(case%values, lines)
       if (allocated(case%record)) call warn_of_record(case%record, &
@@ -125,11 +114,20 @@ contains
          if (allocated(case%spectrum%gamma)) gamma = case%spectrum%gamma
          if (allocated(case%spectrum%b)) b = case%spectrum%b
       end if
-      call warn_of_weight(case, motion, lines)
+      if (allocated(case%upward)) then
+         lowest = lowest_vertical(motion, case%solver%t_end)
+         if (.not. case%model%g*(1 + prestress(case)) + lowest > 0) call add_line( &
+            'v_g'''' falls to '//trim(rounded_text(lowest))//' m/s2, which takes all of weight ' &
+            //'and cable force: a pivot that lifts is not followed', lines)
+      end if
       call warn_of_fuses(case, lines)
       call warn_of_impacts(case, gamma, atan2(b, case%wall%h), lines)
       call warn_of_soil(case%values, lines)
-      call add_line(broken_law(case, gamma), lines)
+      ! for theta < 0, `published` gives the frame's force another lever arm than its displacement
+      if (allocated(case%frame) .and. case%model%formulation == 'published' &
+          .and. any(gamma > 0)) then
+         call add_line("not conserved: energy while theta < 0 (formulation 'published')", lines)
+      end if
       if (.not. allocated(case%cable)) return
       if (case%model%formulation == 'published' .and. &
          any(abs(case%cable%eta_alpha - case%cable%eta_0) > 0)) then
@@ -211,23 +209,6 @@ contains
          .or. (index(key, 'floor_') == 1 .and. index(key, 'acceleration') > 0) &
          .or. index(key, 'pivot') == 1 .or. index(key, 'base_shear') == 1
    end function comes_from_landings
-
-   !> Warn of a vertical motion that exceeds weight and cable force: the pivot would lift.
-   subroutine warn_of_weight(case, motion, lines)
-      type(case_t), intent(in) :: case
-      !! case with a rocking wall
-      type(motion_t), intent(in) :: motion
-      character(256), allocatable, intent(inout) :: lines(:)
-      real(wp) :: lowest
-      !! [m/s2]
-
-      if (.not. allocated(case%upward)) return
-      lowest = lowest_vertical(motion, case%solver%t_end)
-      if (case%model%g*(1 + prestress(case)) + lowest > 0) return
-      call add_line('v_g'''' falls to '//trim(rounded_text(lowest)) &
-         //' m/s2, which takes all of weight and cable force: a pivot that lifts is not followed', &
-         lines)
-   end subroutine warn_of_weight
 
    !> Warn of fuses that may hold the wall up after yielding in tension.
    subroutine warn_of_fuses(case, lines)
@@ -344,22 +325,5 @@ contains
          //trim(rounded_text(stiffness))//' 1/(m s2) is below 1e4: the wall sinks ' &
          //'into such soil, and the model of a rigid base does not hold', lines)
    end subroutine warn_of_soil
-
-   !> Report that a case with a rocking wall and a frame with mass does not conserve energy. For
-   !> theta < 0, `published` gives the frame's force a lever arm that differs from that of its
-   !> displacement.
-   pure function broken_law(case, gamma) result(text)
-      type(case_t), intent(in) :: case
-      !! case with a rocking wall
-      real(wp), intent(in) :: gamma(:)
-      !! mass ratios [-]
-      character(256) :: text
-      !! one line; '' if energy is conserved
-
-      text = ''
-      if (.not. allocated(case%frame)) return
-      if (case%model%formulation /= 'published' .or. .not. any(gamma > 0)) return
-      text = "not conserved: energy while theta < 0 (formulation 'published')"
-   end function broken_law
 
 end module rwmf_simulation_warnings

@@ -234,9 +234,16 @@ contains
       real(wp), pointer :: values(:, :)
       integer(int8), pointer :: codes(:)
       character(24), allocatable :: status(:)
-      integer :: first, last, i
-      integer :: place
+      integer(i8) :: evaluations
+      integer :: first, last, i, place
+      logical :: in_lanes
 
+      ! lanes share the settings of their error estimates
+      associate (case => queue%rows%case)
+         in_lanes = (case%solver%method == 'auto' .or. case%solver%method == 'dop853') &
+            .and. .not. allocated(case%compliant_base) .and. .not. queue%rows%has_own_estimate
+      end associate
+      evaluations = 0
       associate (n => queue%rows%n)
          values(1:n, 1:size(spectrum%quantities)) => spectrum%values
          codes(1:n) => spectrum%status
@@ -245,8 +252,18 @@ contains
             if (allocated(status)) deallocate (status)
             allocate (status(last - first + 1))
             status = interrupted
-            call run_block(queue, first, spectrum%threads, control, values(first:last, :), &
-               status, spectrum%rhs_evaluations)
+            if (in_lanes) then
+               call run_lanes(queue, first, spectrum%threads, control, values(first:last, :), &
+                  status, evaluations)
+            else
+               !$omp parallel do num_threads(spectrum%threads) schedule(dynamic) &
+               !$omp default(shared) reduction(+:evaluations)
+               do i = first, last
+                  call run_one(queue, i, control, values(i, :), status(i - first + 1), evaluations)
+               end do
+               !$omp end parallel do
+            end if
+            spectrum%rhs_evaluations = evaluations
             do i = first, last
                ! find the index of a status name; append the name if it is new
                do place = 1, size(spectrum%status_names)
@@ -260,37 +277,6 @@ contains
          end do
       end associate
    end subroutine run_rows
-
-   !> Compute the rows of a block.
-   subroutine run_block(queue, first, threads, control, values, status, evaluations)
-      type(queue_t), intent(in) :: queue
-      integer, intent(in) :: first
-      !! number of the first row
-      integer, intent(in) :: threads
-      type(control_t), intent(in) :: control
-      real(wp), intent(inout) :: values(:, :)
-      !! (rows, quantities)
-      character(24), intent(inout) :: status(:)
-      !! (rows)
-      integer(i8), intent(inout) :: evaluations
-      integer :: i
-
-      associate (method => queue%rows%case%solver%method)
-         ! lanes share the settings of their error estimates
-         if ((method == 'auto' .or. method == 'dop853') &
-            .and. .not. allocated(queue%rows%case%compliant_base) &
-            .and. .not. queue%rows%has_own_estimate) then
-            call run_lanes(queue, first, threads, control, values, status, evaluations)
-            return
-         end if
-      end associate
-      !$omp parallel do num_threads(threads) schedule(dynamic) default(shared) &
-      !$omp reduction(+:evaluations)
-      do i = 1, size(status)
-         call run_one(queue, first + i - 1, control, values(i, :), status(i), evaluations)
-      end do
-      !$omp end parallel do
-   end subroutine run_block
 
    !> Compute the rows of a block in lanes, the shortest periods first.
    !>

@@ -125,7 +125,13 @@ contains
       rows%is_sized = case%follows_size .and. (rows%axis_column(axis_width) > 0 &
          .or. (rows%axis_column(axis_period) > 0 .and. .not. allocated(case%frame)))
       if (rows%is_sized) then
-         call find_sizes(case, columns, rows, error)
+         ! the keys whose masses follow the size of the wall, with height and width
+         do i = 1, size(sizes)
+            rows%size_columns(i) = findloc(to_lower(columns) == sizes(i), .true., dim=1)
+            rows%key_columns = pack(rows%key_columns, rows%key_columns /= rows%size_columns(i))
+         end do
+         call find_changes(case, [character(len(columns)) :: columns(rows%key_columns), sizes], &
+            rows%changes, error)
       else if (size(rows%key_columns) > 0) then
          call find_changes(case, columns(rows%key_columns), rows%changes, error)
       end if
@@ -135,22 +141,6 @@ contains
       end do
       call check_single_run(case, error)
    end subroutine rows_of_table
-
-   !> Find the keys of a table whose masses follow the size of the wall, with height and width.
-   subroutine find_sizes(case, columns, rows, error)
-      type(case_t), intent(in) :: case
-      character(*), intent(in) :: columns(:)
-      type(rows_t), intent(inout) :: rows
-      type(error_t), allocatable, intent(out) :: error
-      integer :: i
-
-      do i = 1, size(sizes)
-         rows%size_columns(i) = findloc(to_lower(columns) == sizes(i), .true., dim=1)
-         rows%key_columns = pack(rows%key_columns, rows%key_columns /= rows%size_columns(i))
-      end do
-      call find_changes(case, [character(len(columns)) :: columns(rows%key_columns), sizes], &
-         rows%changes, error)
-   end subroutine find_sizes
 
    !> Add a column that is an axis.
    subroutine add_axis(case, axis, column, rows, error)
@@ -321,6 +311,8 @@ contains
       !! (columns)
       type(case_t), intent(inout) :: row
       type(error_t), allocatable, intent(out) :: error
+      type(wall_t) :: wall
+      real(wp), allocatable :: T_s
       integer :: axis
 
       do axis = 1, size(axes)
@@ -333,7 +325,14 @@ contains
          end associate
       end do
       if (rows%is_sized) then
-         call take_sized_line(rows, x, row, error)
+         ! dimensions without a column keep the values of the case
+         wall = rows%case%wall
+         if (rows%size_columns(1) > 0) wall%h = x(rows%size_columns(1))
+         if (rows%size_columns(2) > 0) wall%b = x(rows%size_columns(2))
+         if (rows%axis_column(axis_width) > 0) wall%b = x(rows%axis_column(axis_width))
+         if (rows%axis_column(axis_period) > 0) T_s = x(rows%axis_column(axis_period))
+         ! an unallocated T_s is an absent argument
+         call take_sized(rows, real(x(rows%key_columns), dp), wall, row, error, T_s)
          if (allocated(error)) return
       else if (size(rows%key_columns) > 0) then
          call change_case(rows%case, rows%changes, real(x(rows%key_columns), dp), row, error)
@@ -341,7 +340,14 @@ contains
       else
          row%structure_t = rows%case%structure_t
          row%solver = rows%case%solver
-         if (rows%has_own_motion) call take_motion(rows%case, row)
+         if (rows%has_own_motion) then
+            ! the description of the motion, without the samples of its records
+            row%motion = rows%case%motion
+            if (allocated(rows%case%upward_record)) then
+               if (.not. allocated(row%upward_record)) allocate (row%upward_record)
+               row%upward_record%factor = rows%case%upward_record%factor
+            end if
+         end if
       end if
       do axis = 1, size(axes)
          if (rows%axis_column(axis) == 0) cycle
@@ -362,27 +368,6 @@ contains
       end do
    end subroutine take_line
 
-   !> Construct the case of a table row whose masses follow the size of the wall.
-   !>
-   !> Dimensions without a column keep the values of the case.
-   subroutine take_sized_line(rows, x, row, error)
-      type(rows_t), intent(in) :: rows
-      real(wp), intent(in) :: x(:)
-      !! (columns)
-      type(case_t), intent(inout) :: row
-      type(error_t), allocatable, intent(out) :: error
-      type(wall_t) :: wall
-      real(wp), allocatable :: T_s
-
-      wall = rows%case%wall
-      if (rows%size_columns(1) > 0) wall%h = x(rows%size_columns(1))
-      if (rows%size_columns(2) > 0) wall%b = x(rows%size_columns(2))
-      if (rows%axis_column(axis_width) > 0) wall%b = x(rows%axis_column(axis_width))
-      if (rows%axis_column(axis_period) > 0) T_s = x(rows%axis_column(axis_period))
-      ! an unallocated T_s is an absent argument
-      call take_sized(rows, real(x(rows%key_columns), dp), wall, row, error, T_s)
-   end subroutine take_sized_line
-
    !> True if an axis allows a value. A frame may be massless; storeys need mass.
    pure logical function is_allowed(case, axis, value)
       type(case_t), intent(in) :: case
@@ -394,17 +379,6 @@ contains
       is_allowed = value > 0 .or. (axes(axis) == 'gamma' .and. value >= 0 &
          .and. .not. has_floors(case))
    end function is_allowed
-
-   !> Copy the description of the motion, without the samples of its records.
-   pure subroutine take_motion(case, row)
-      type(case_t), intent(in) :: case
-      type(case_t), intent(inout) :: row
-
-      row%motion = case%motion
-      if (.not. allocated(case%upward_record)) return
-      if (.not. allocated(row%upward_record)) allocate (row%upward_record)
-      row%upward_record%factor = case%upward_record%factor
-   end subroutine take_motion
 
    !> Apply a factor to the horizontal motion: to the scale of a record or the size of a pulse.
    subroutine scale_motion(case, factor, row, error)

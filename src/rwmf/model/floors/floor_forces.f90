@@ -25,11 +25,18 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: force(equation%floors%n)
-      real(wp) :: u_roof
-      real(wp) :: v_roof
+      real(wp), dimension(size(force)) :: shear, v
+      real(wp) :: u_roof, v_roof
 
       call frame_motion(equation, equation%state%side, y, u_roof, v_roof)
-      force = resistance_to(equation%floors, equation%state%storey_branches, y, u_roof, v_roof)
+      associate (floors => equation%floors, n => equation%floors%n, &
+                 free => equation%floors%free, first => equation%floors%first)
+         shear = shears_at(floors, equation%state%storey_branches, y, u_roof)
+         v(n) = v_roof
+         v(:free) = y(first + free:first + 2*free - 1)
+         force = matmul(floors%c, v) + shear
+         force(:n - 1) = force(:n - 1) - shear(2:)
+      end associate
    end function resistance
 
    !> Forces with which the link springs pull the floors along with the wall [m/s2].
@@ -115,29 +122,6 @@ contains
          end if
       end associate
    end function shears_at
-
-   !> Resisting forces of the storeys for a given motion of the roof [m/s2].
-   pure function resistance_to(floors, branches, y, u_roof, v_roof) result(force)
-      type(floors_t), intent(in) :: floors
-      type(branch_t), intent(in) :: branches(:)
-      !! (floors) active branches
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: u_roof
-      !! displacement of the roof [m]
-      real(wp), intent(in) :: v_roof
-      !! velocity of the roof [m/s]
-      real(wp) :: force(floors%n)
-      real(wp), dimension(floors%n) :: shear, v
-
-      shear = shears_at(floors, branches, y, u_roof)
-      associate (n => floors%n, free => floors%free, first => floors%first)
-         v(n) = v_roof
-         v(:free) = y(first + free:first + 2*free - 1)
-         force = matmul(floors%c, v) + shear
-         force(:n - 1) = force(:n - 1) - shear(2:)
-      end associate
-   end function resistance_to
 
    !> Rate of momentum of the floors beyond that implied by the motion of a linked roof [m/s2].
    !>

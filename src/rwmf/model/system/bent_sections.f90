@@ -179,6 +179,8 @@ contains
       type(links_t), intent(in) :: links
       type(bent_loads_t), intent(out) :: loads
       type(section_extremes_t), intent(inout), optional :: extremes
+      real(wp), parameter :: same = 1.0e-9_wp
+      !! distance of a link from its node, over the length [-]
       real(wp) :: moment, force(2, ubound(sections%z, 1))
       !! moment; force of cable and links above each piece
       integer :: i, link
@@ -189,7 +191,7 @@ contains
       do i = ubound(sections%z, 1), 0, -1
          sections%above_node(:, i) = [shear_at_node(sections, loads, i), moment]
          if (link > 0) then
-            if (is_at(sections, i, links%place(2, link))) then
+            if (abs(sections%z(i) - links%place(2, link)) <= same*sections%beam%length) then
                call add_link(sections%beam, loads, links, link, y(1), moment)
                link = link - 1
             end if
@@ -259,16 +261,6 @@ contains
       cable = cable_force(equation, y(1))
       loads%force(1) = cosine*cable(1) - sine*cable(2)
    end subroutine find_loads
-
-   !> Return whether a node is at a height.
-   pure logical function is_at(sections, i, z)
-      type(bent_sections_t), intent(in) :: sections
-      integer, intent(in) :: i
-      real(wp), intent(in) :: z
-      real(wp), parameter :: same = 1.0e-9_wp
-
-      is_at = abs(sections%z(i) - z) <= same*sections%beam%length
-   end function is_at
 
    !> Add the force of a link to the loads above the section.
    pure subroutine add_link(beam, loads, links, i, theta, moment)

@@ -20,21 +20,16 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(contribution_t) :: effect
+      logical, allocatable :: is_before(:), is_left(:)
       integer :: i
 
       do i = 1, effect_count
          call prepare_effect(i, case, equation, effect)
          if (effect%is_present) call append_contribution(equation, i, effect)
       end do
-      if (equation%beam%n > 0) call order_terms(equation)
-   end subroutine choose_contributions
-
-   !> Put the loops that act on the frame before that of the modes, which reads their force, and all
-   !> others after it. Floors linked one by one belong to the loop of the modes.
-   subroutine order_terms(equation)
-      type(equation_t), intent(inout) :: equation
-      logical, allocatable :: is_before(:), is_left(:)
-
+      if (equation%beam%n == 0) return
+      ! Put the loops that act on the frame before that of the modes, which reads their force, and
+      ! all others after it. Floors linked one by one belong to the loop of the modes.
       associate (scene => equation%scene)
          is_before = scene%terms%acts == through_link .or. scene%terms%acts == elsewhere
          is_left = is_before
@@ -44,7 +39,7 @@ contains
          if (allocated(equation%floors%k_link)) scene%terms(scene%bent)%floors &
             = equation%floors%first
       end associate
-   end subroutine order_terms
+   end subroutine choose_contributions
 
    !> Append an effect. Its coefficients and states follow the existing ones.
    subroutine append_contribution(equation, number, effect)

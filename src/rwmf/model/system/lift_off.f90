@@ -46,7 +46,7 @@ contains
       !! of the motion at t
       integer, intent(out) :: side
       !! side of the motion after lift-off, +1 or -1; 0 for no lift-off
-      real(wp) :: t_end
+      real(wp) :: t_end, left, right
 
       do
          if (is_piecewise_linear(equation%motion) .and. .not. equation%has_vertical) then
@@ -57,7 +57,14 @@ contains
          t_end = min(demand_turns(equation, interval, t), t_limit)
          side = lifting_side(equation, interval, t_end)
          if (side /= 0) then
-            if (jumps(equation, interval, t_end)) side = first_side(equation, interval, t, t_end)
+            if (jumps(equation, interval, t_end)) then
+               ! both sides lift off before t_end: one of them first
+               right = t
+               call refine_lift_off(equation, interval, 1, right, t_end)
+               left = t
+               call refine_lift_off(equation, interval, -1, left, t_end)
+               side = merge(1, -1, right < left)
+            end if
             call refine_lift_off(equation, interval, side, t, t_end)
             return
          end if
@@ -115,24 +122,6 @@ contains
 
       jumps = lifts(minval(uplift_demands(equation, interval, t)), equation%uplift%threshold)
    end function jumps
-
-   !> Side that lifts off first, if both do so between two times.
-   pure integer function first_side(equation, interval, t, t_end) result(side)
-      type(equation_t), intent(in) :: equation
-      integer, intent(in) :: interval
-      real(wp), intent(in) :: t
-      !! a time at rest [s]
-      real(wp), intent(in) :: t_end
-      !! a time at which both lift off [s]
-      real(wp) :: right
-      real(wp) :: left
-
-      right = t
-      call refine_lift_off(equation, interval, 1, right, t_end)
-      left = t
-      call refine_lift_off(equation, interval, -1, left, t_end)
-      side = merge(1, -1, right < left)
-   end function first_side
 
    !> Bisect to the first time at which the demand exceeds the threshold. On a straight line, start
    !> from a bracket of a few spacings around the expected time.

@@ -187,7 +187,8 @@ contains
       !! forces of the storeys [m/s2]
       real(wp) :: on_frame(2)
       !! forces of further effects on the frame [m/s2]
-      real(wp) :: u_ddot
+      real(wp) :: u_ddot, at_roof
+      !! acceleration of the roof [m/s2]; force of spring and damper there [m/s2]
 
       force = 0
       if (.not. equation%has_frame) return
@@ -214,7 +215,18 @@ contains
              .or. yields_at_roof(equation)) then
             force(1) = force(1) + p%gamma*p%omega_squared*plastic_part(equation, y)
          end if
-         if (equation%floors%are_linked) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
+         if (equation%floors%are_linked) then
+            ! With links at every floor the frame deflects in a straight line, and the storey shears
+            ! are proportional to k_i h_i. They include dampers and yielding, except in storeys that
+            ! yield separately. The lowest shear goes to the ground; the links carry the remaining
+            ! momentum of the floors.
+            at_roof = -force(1) - p%gamma*(u_ddot + equation%floors%excited_mass_ratio &
+               *ground(equation, t))
+            if (equation%has_bilinear_springs) at_roof = at_roof + p%gamma*p%omega_squared &
+               *uneven_plastic_part(equation, y(1))
+            force(1) = -p%gamma*(u_ddot + ground(equation, t)) - floor_inertia(equation, t, y, &
+               u_ddot) - equation%floors%base_shear_ratio*at_roof
+         end if
       end associate
       on_frame = effects_frame_force(equation, y)
       force(1) = force(1) - on_frame(1)
@@ -260,34 +272,6 @@ contains
 
       yields_at_roof = equation%floors%yields .and. follows_roof(equation)
    end function yields_at_roof
-
-   !> Sum of the link forces of all floors on the wall, from the force of a single link at the roof.
-   !>
-   !> With links at every floor the frame deflects in a straight line, and the storey shears are
-   !> proportional to k_i h_i. They include dampers and yielding, except in storeys that yield
-   !> separately. The lowest shear goes to the ground; the links carry the remaining momentum of the
-   !> floors.
-   real(wp) function sum_of_links(equation, t, y, u_ddot, roof_alone) result(force)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: u_ddot
-      !! acceleration of the roof relative to the ground [m/s2]
-      real(wp), intent(in) :: roof_alone
-      !! force at the roof with the same moment about the base [m/s2]
-      real(wp) :: resisting
-      !! force of spring and damper at the roof [m/s2]
-
-      associate (gamma => equation%p%gamma, a => ground(equation, t))
-         resisting = -roof_alone - gamma*(u_ddot + equation%floors%excited_mass_ratio*a)
-         if (equation%has_bilinear_springs) resisting = resisting + gamma*equation%p%omega_squared &
-            *uneven_plastic_part(equation, y(1))
-         force = -gamma*(u_ddot + a) - floor_inertia(equation, t, y, u_ddot) &
-            - equation%floors%base_shear_ratio*resisting
-      end associate
-   end function sum_of_links
 
    !> Force of the tendons on the wall. With the law 'truss' they act along their straight lines,
    !> otherwise along the wall's axis. The axis is the only direction fixed to the wall in which a

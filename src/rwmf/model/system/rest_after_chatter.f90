@@ -243,7 +243,8 @@ contains
       !! time at which a side is first pulled off the base, as far as known from an earlier call [s]
       real(wp), parameter :: patience = 3
       !! examined span over the duration of chatter under a steady pressure [-]
-      real(wp) :: pressure, least, variation, span, w
+      real(wp) :: pressure, least, variation, span, w, lost
+      integer :: k, m
 
       will = .false.
       pressure = min(pull(1), pull(2))
@@ -257,7 +258,20 @@ contains
       if (variation > most_varied*least) return
       w = v*exp(variation/(2*least))
       least = inverse_inertia(equation)*least
-      pressure = least - 4*lost_pressure(equation, t, w, w**2/(2*least), pull)
+      ! The largest reduction of the deceleration near the base, at the bounds of velocity and
+      ! rotation on both sides. The current side is the last one and remains set.
+      lost = 0
+      do k = 1, 2
+         call enter_side(equation%model_t, equation%state, -equation%state%side)
+         associate (side => equation%state%side, phi => w**2/(2*least))
+            do m = -1, 1, 2
+               lost = max(lost, pull((side + 3)/2) + side*second_derivative(equation, t, &
+                  [0.0_wp, side*m*w]), pull((side + 3)/2) + side*second_derivative(equation, &
+                  t, [side*phi, side*m*w]))
+            end do
+         end associate
+      end do
+      pressure = least - 4*lost
       if (pressure < least/2) return
       will = 2*w <= pressure*(1 - e)*span .and. w**2 <= 2*pressure*angle
       if (will .and. w > v) will = .not. ends_branch(equation, w**2/(2*pressure))
@@ -331,34 +345,6 @@ contains
       end do
       if (least <= 0) t_pulled = t
    end subroutine press_over
-
-   !> Largest reduction of the deceleration near the base relative to that at the base [rad/s2]. It
-   !> is evaluated at the bounds of velocity and rotation, on both sides.
-   real(wp) function lost_pressure(equation, t, w, phi, at_base) result(lost)
-      type(equation_t), intent(inout) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: w
-      !! [rad/s]
-      real(wp), intent(in) :: phi
-      !! [rad]
-      real(wp), intent(in) :: at_base(2)
-      !! deceleration at the base on the negative and on the positive side [rad/s2]
-      integer :: k, m
-
-      lost = 0
-      ! the current side is the last one and remains set
-      do k = 1, 2
-         call enter_side(equation%model_t, equation%state, -equation%state%side)
-         associate (side => equation%state%side)
-            do m = -1, 1, 2
-               lost = max(lost, at_base((side + 3)/2) + side*second_derivative(equation, t, &
-                  [0.0_wp, side*m*w]), at_base((side + 3)/2) + side*second_derivative(equation, &
-                  t, [side*phi, side*m*w]))
-            end do
-         end associate
-      end do
-   end function lost_pressure
 
    !> Angular acceleration of the resting wall per ground acceleration beyond the threshold [1/m].
    pure real(wp) function inverse_inertia(equation) result(gain)

@@ -142,6 +142,8 @@ contains
       type(moment_t), intent(out) :: moment
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
+      integer, parameter :: most = 256
+      !! number of samples that are kept
       real(wp) :: y(size(functions%step%y_a))
       integer :: i
 
@@ -155,7 +157,13 @@ contains
       call sample_state(functions%step, t, y, error)
       if (allocated(error)) return
       call take_moment(functions, t, y, moment)
-      if (associated(functions%samples)) call keep_moment(functions%samples, moment)
+      if (.not. associated(functions%samples)) return
+      associate (samples => functions%samples)
+         if (.not. allocated(samples%moments)) allocate (samples%moments(most))
+         if (samples%n == most) return
+         samples%n = samples%n + 1
+         samples%moments(samples%n) = moment
+      end associate
    end subroutine sample_functions
 
    !> Evaluate the functions at a state.
@@ -179,18 +187,6 @@ contains
       to%t = from%t
       call move_alloc(from%f, to%f)
    end subroutine move_moment
-
-   !> Store a sample while there is space.
-   pure subroutine keep_moment(samples, moment)
-      type(kept_samples_t), intent(inout) :: samples
-      type(moment_t), intent(in) :: moment
-      integer, parameter :: most = 256
-
-      if (.not. allocated(samples%moments)) allocate (samples%moments(most))
-      if (samples%n == most) return
-      samples%n = samples%n + 1
-      samples%moments(samples%n) = moment
-   end subroutine keep_moment
 
    !> Span of a whole step.
    function span_of(functions) result(span)

@@ -42,7 +42,7 @@ contains
       !! end of the current interval, or of the advance [s]
       real(wp) :: begin(2), pull(2)
       !! decelerations on both sides at the start and at the end of the jump [rad/s2]
-      real(wp) :: v, v_end, e, damping, span, flights
+      real(wp) :: v, v_end, e, damping, span, flights, ahead, y(size(hybrid%y))
       real(wp) :: gain(3)
       !! logarithmic change of the energy by ground motion, damping and impacts [-]
 
@@ -57,7 +57,12 @@ contains
       if (v**2 > 2*minval(begin)*small_angle) return
       span = min(t_limit, demand_turns(equation, interval_of(equation), hybrid%t)) - hybrid%t
       if (span < least_flights*2*v/minval(begin)) return
-      damping = damping_at(hybrid, equation, v)
+      ! ratio of viscous acceleration to velocity at theta = 0
+      y = hybrid%y
+      y(2) = v
+      ahead = second_derivative(equation, hybrid%t, y)
+      y(2) = -v
+      damping = max(0.0_wp, (second_derivative(equation, hybrid%t, y) - ahead)/(2*v))
       do
          pull = decelerations(equation, hybrid%t + span)
          gain(:2) = [log(max(harmonic(pull), tiny(v))/harmonic(begin)), -damping*span]*2/3
@@ -132,20 +137,5 @@ contains
 
       harmonic = pull(1)*pull(2)/(pull(1) + pull(2))
    end function harmonic
-
-   !> Ratio of viscous acceleration to velocity at theta = 0 [1/s].
-   real(wp) function damping_at(hybrid, equation, v) result(damping)
-      type(hybrid_t), intent(in) :: hybrid
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: v
-      !! [rad/s]
-      real(wp) :: y(size(hybrid%y)), ahead
-
-      y = hybrid%y
-      y(2) = v
-      ahead = second_derivative(equation, hybrid%t, y)
-      y(2) = -v
-      damping = max(0.0_wp, (second_derivative(equation, hybrid%t, y) - ahead)/(2*v))
-   end function damping_at
 
 end module rwmf_simulation_hybrid_elastic_chatter

@@ -208,29 +208,20 @@ contains
 
       call begin_step(hybrid, equation, recorder, integrator%steps, t_target, t_limit, span, error)
       if (allocated(error) .or. t_limit <= hybrid%t) return
-      if (hybrid%must_restart) call integrator%start(hybrid%t, hybrid%y, min(span, &
-         longest_piece(equation)), error)
-      if (allocated(error)) return
+      if (hybrid%must_restart) then
+         ! Below the absolute tolerance, a multistep method may take its first step over several
+         ! periods of a vibration. The end of such a step contradicts the rates at its beginning. A
+         ! frame that has just turned would then turn again at once, without end.
+         if (equation%floors%yields .or. equation%has_loading_direction) span = min(span, &
+            1/max(equation%p%omega_s, equation%floors%max_frequency))
+         call integrator%start(hybrid%t, hybrid%y, span, error)
+         if (allocated(error)) return
+      end if
       hybrid%must_restart = .false.
       t_limit = min(t_limit, hybrid%t + longest_step(equation))
       call integrator%step(t_limit, error)
       if (.not. allocated(error)) call end_step(hybrid, equation, integrator, recorder, error)
    end subroutine integrate_step
-
-   !> Largest expected duration of a piece that a turn of a frame or storey may begin [s].
-   !>
-   !> Below the absolute tolerance, a multistep method may take its first step over several periods
-   !> of a vibration. The end of such a step contradicts the rates at its beginning. A frame that
-   !> has just turned would then turn again at once, without end.
-   pure real(wp) function longest_piece(equation) result(longest)
-      type(equation_t), intent(in) :: equation
-      real(wp), parameter :: angle = 1
-      !! phase angle of the fastest vibration [rad]
-
-      longest = huge(longest)
-      if (equation%floors%yields .or. equation%has_loading_direction) longest = &
-         angle/max(equation%p%omega_s, equation%floors%max_frequency)
-   end function longest_piece
 
    !> Longest step under a pulse far shorter than the periods of the scene, else no limit [s].
    !>

@@ -159,26 +159,20 @@ contains
       !! [s]
 
       call renew_window(equation%model_t, equation%state)
-      if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
+      if (equation%has_loading_direction) then
+         ! after a peak the loading direction is already set
+         if (abs(hybrid%y(2)) > 0) then
+            equation%state%signs%loading_direction = int(sign(1.0_wp, hybrid%y(2)))
+         else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
+            equation%state%signs%loading_direction = equation%state%side
+         end if
+         call follow_loading_direction(equation%model_t, equation%state, hybrid%y)
+      end if
       call settle_storeys(equation%model_t, equation%state, hybrid%y, hybrid%t <= hybrid%t_turn)
       span = hybrid%flight
       if (.not. span > 0) span = flight_time(hybrid, equation)
       hybrid%flight = 0
    end subroutine begin_piece
-
-   !> Set the loading direction from the sign of theta' in the new piece; after a peak it is already
-   !> set.
-   pure subroutine set_loading_direction(hybrid, equation)
-      type(hybrid_t), intent(in) :: hybrid
-      type(equation_t), intent(inout) :: equation
-
-      if (abs(hybrid%y(2)) > 0) then
-         equation%state%signs%loading_direction = int(sign(1.0_wp, hybrid%y(2)))
-      else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
-         equation%state%signs%loading_direction = equation%state%side
-      end if
-      call follow_loading_direction(equation%model_t, equation%state, hybrid%y)
-   end subroutine set_loading_direction
 
    !> Estimated duration of a flight that begins at theta = 0; infinite if unknown [s].
    !>
@@ -254,10 +248,10 @@ contains
       type(recorder_t), intent(inout) :: recorder
       real(wp), parameter :: slow = 1000
       !! ratio to the largest velocity, over sqrt(rtol), above which impacts do not graze [-]
-      real(wp) :: after, energy, impulse(2)
+      real(wp) :: after, energy, impulse(2), t, away
+      !! the last one: acceleration away from the base [rad/s2]
+      integer :: interval, side
       logical :: stays
-      real(wp) :: away
-      !! acceleration away from the base [rad/s2]
 
       ! spectrum ordinates of peaks alone have no such warning
       if (hybrid%settled_angle <= 0 &
@@ -295,7 +289,14 @@ contains
          call end_chatter(hybrid, equation, recorder)
       else if (abs(after) <= 0) then
          ! Without a bounce (e = 0), the uplift demand gives the side of the next motion.
-         call leave_without_velocity(hybrid, equation)
+         t = hybrid%t
+         interval = interval_of(equation)
+         call find_lift_off(equation, t, t, interval, side)
+         if (side /= 0) then
+            call enter_side(equation%model_t, equation%state, side)
+         else
+            call enter_rest(hybrid, equation)
+         end if
       end if
    end subroutine apply_one_impact
 
@@ -517,23 +518,5 @@ contains
       call land_effects(equation, y, after, stays)
       e = after/y(2)
    end function landing_factor
-
-   !> Start the motion of a wall that touches its base without velocity while one side is pulled up.
-   subroutine leave_without_velocity(hybrid, equation)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      real(wp) :: t
-      integer :: interval
-      integer :: side
-
-      t = hybrid%t
-      interval = interval_of(equation)
-      call find_lift_off(equation, t, t, interval, side)
-      if (side /= 0) then
-         call enter_side(equation%model_t, equation%state, side)
-      else
-         call enter_rest(hybrid, equation)
-      end if
-   end subroutine leave_without_velocity
 
 end module rwmf_simulation_hybrid_transitions

@@ -23,7 +23,7 @@ module rwmf_simulation_pushover_curve_path
    use rwmf_simulation_pushover_static_scene, only: prescribed_t, control_value, find_equilibrium, &
       find_tangent, follow_positions, loaded_displacements, loaded_slopes, of_load, of_roof, &
       of_uplift, roof_can_move, static_forces, static_scene_t
-   use rwmf_simulation_static_rest, only: directions, turn_springs
+   use rwmf_simulation_static_rest, only: directions, turn_along, turn_springs
    use rwmf_text_strings, only: integer_to_text
    implicit none
    private
@@ -61,31 +61,24 @@ contains
    subroutine begin_path(path)
       type(curve_path_t), intent(inout) :: path
       !! with scene, curve and overturning angle
-
-      allocate (path%has_yielded(size(path%scene%z)), source=.false.)
-      allocate (path%rates(size(path%scene%q)))
-      call choose_moment_step(path)
-      call renew_window(path%scene%equation%model_t, path%scene%equation%state)
-      call record_row(path%scene, path%work, path%curve)
-   end subroutine begin_path
-
-   !> Choose the steps of the moment that lifts the wall: sixteen for the moment of its weight, at
-   !> most 64 for that of weight and tendon.
-   subroutine choose_moment_step(path)
-      type(curve_path_t), intent(inout) :: path
-      real(wp), parameter :: of_weight = 16, of_all = 64
       real(wp) :: moment(2)
       integer :: i
 
-      if (.not. path%scene%is_held) return
-      do i = 1, 2
-         moment(i) = control_value(path%scene, prescribed_t(of_uplift, 2*i - 3), path%scene%y, &
-            path%scene%load)
-      end do
-      associate (p => path%scene%equation%p)
-         path%moment_step = max(p%g*p%R*p%sin_alpha/of_weight, maxval(abs(moment))/of_all)
-      end associate
-   end subroutine choose_moment_step
+      allocate (path%has_yielded(size(path%scene%z)), source=.false.)
+      allocate (path%rates(size(path%scene%q)))
+      if (path%scene%is_held) then
+         ! sixteen steps for the moment of the weight, at most 64 for that of weight and tendon
+         do i = 1, 2
+            moment(i) = control_value(path%scene, prescribed_t(of_uplift, 2*i - 3), path%scene%y, &
+               path%scene%load)
+         end do
+         associate (p => path%scene%equation%p)
+            path%moment_step = max(p%g*p%R*p%sin_alpha/16, maxval(abs(moment))/64)
+         end associate
+      end if
+      call renew_window(path%scene%equation%model_t, path%scene%equation%state)
+      call record_row(path%scene, path%work, path%curve)
+   end subroutine begin_path
 
    !> Move the roof to a displacement, with equal steps.
    subroutine move_roof(path, u_end, spacing_of_rows, is_complete)
@@ -184,8 +177,6 @@ contains
    subroutine turn_consistently(path, is_found)
       type(curve_path_t), intent(inout) :: path
       logical, intent(out) :: is_found
-      integer, allocatable :: before(:)
-      real(wp), allocatable :: y(:)
       type(prescribed_t) :: control
       type(discrete_state_t) :: kept
       integer :: i
@@ -197,11 +188,7 @@ contains
          do i = 1, 2*(size(scene%q) + size(scene%z) + 2)
             call find_tangent(scene, control, path%rates, path%load_rate, is_found)
             if (.not. is_found) return
-            before = directions(model, state)
-            y = scene%y
-            y(scene%v) = path%rates
-            call turn_springs(model, state, y)
-            is_found = all(before == directions(model, state))
+            call turn_along(model, state, scene%y, scene%v, path%rates, is_found)
             if (is_found) exit
          end do
          ! the rate of a smooth spring at its reversal vanishes, and its sign is round-off
@@ -209,53 +196,39 @@ contains
          if (is_found .and. .not. scene%is_held .and. model%has_impacts) then
             if (abs(scene%y(1)) <= 0) is_found = state%side*path%rates(1) > 0
          end if
-         if (is_found) is_found = .not. rebounds(path, kept)
-         if (is_found .and. path%sense /= path%direction) is_found = continues(path)
+         if (is_found) is_found = is_consistent(path, kept)
       end associate
    end subroutine turn_consistently
 
-   !> True if a storey that has just begun to unload moves in its previous direction.
-   logical function rebounds(path, kept)
+   !> True if the rates of the storeys agree with their springs.
+   !>
+   !> No storey that has just begun to unload may move in its previous direction. Where the roof
+   !> turns back, a storey on a falling branch must still move in its loading direction.
+   logical function is_consistent(path, kept)
       type(curve_path_t), intent(in) :: path
       type(discrete_state_t), intent(in) :: kept
       !! state before the springs were turned
       real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
       real(wp) :: y(size(path%scene%y))
-      integer :: before, i
+      integer :: before, now, i
 
-      rebounds = .false.
-      associate (equation => path%scene%equation)
+      is_consistent = path%sense == path%direction
+      associate (equation => path%scene%equation, state => path%scene%equation%state)
          if (.not. allocated(equation%floors%springs)) return
          y = path%scene%y
          y(path%scene%v) = path%rates
-         call storey_motion(equation, equation%state%side, y, d, d_dot)
+         call storey_motion(equation, state%side, y, d, d_dot)
          do i = 1, size(d)
             before = loading_direction_of(equation, kept, i)
-            rebounds = rebounds .or. (before*d_dot(i) > 0 &
-               .and. before /= loading_direction_of(equation, equation%state, i))
+            now = loading_direction_of(equation, state, i)
+            if (before*d_dot(i) > 0 .and. before /= now) then
+               is_consistent = .false.
+               return
+            end if
+            is_consistent = is_consistent .or. (is_softening(state, i) .and. now*d_dot(i) > 0)
          end do
       end associate
-   end function rebounds
-
-   !> True if a storey on a falling branch still moves in its loading direction.
-   logical function continues(path)
-      type(curve_path_t), intent(in) :: path
-      real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
-      real(wp) :: y(size(path%scene%y))
-      integer :: i
-
-      continues = .false.
-      associate (equation => path%scene%equation)
-         if (.not. allocated(equation%floors%springs)) return
-         y = path%scene%y
-         y(path%scene%v) = path%rates
-         call storey_motion(equation, equation%state%side, y, d, d_dot)
-         do i = 1, size(d)
-            continues = continues .or. (is_softening(equation%state, i) &
-               .and. loading_direction_of(equation, equation%state, i)*d_dot(i) > 0)
-         end do
-      end associate
-   end function continues
+   end function is_consistent
 
    !> Choose the quantity that the next step prescribes.
    subroutine choose_control(path, goal, control)
@@ -570,7 +543,7 @@ contains
                name = element_name(model%elements, model%springs(i)%element, &
                   path%scene%has_offsets)
             else if (count(model%springs%element == 0) > 1) then
-               name = storey_name(i)
+               name = 'storey_'//integer_to_text(i)
             end if
             call mark_branch(path, name, branch_word(model%springs(i)%spring, state%springs(i)))
          end do
@@ -606,15 +579,6 @@ contains
       end associate
    end function element_name
 
-   !> Name of a storey in marks.
-   pure function storey_name(number) result(name)
-      integer, intent(in) :: number
-      !! number of the storey, from the ground up
-      character(mark_length) :: name
-
-      name = 'storey_'//integer_to_text(number)
-   end function storey_name
-
    !> Name of a storey in marks, or of the frame if it yields as one spring at the roof.
    pure function spring_name(model, number) result(name)
       type(model_t), intent(in) :: model
@@ -622,7 +586,7 @@ contains
       !! number of the storey, from the ground up
       character(mark_length) :: name
 
-      name = storey_name(number)
+      name = 'storey_'//integer_to_text(number)
       if (follows_roof(model)) name = 'frame'
    end function spring_name
 
@@ -690,18 +654,12 @@ contains
       logical, intent(out) :: is_settled
       !! no spring has changed its branch
       real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
-      real(wp), allocatable :: moving(:)
-      integer, allocatable :: before(:)
       real(wp) :: low, high
       integer :: i
 
       associate (scene => path%scene, model => path%scene%equation%model_t, &
                  state => path%scene%equation%state)
-         before = directions(model, state)
-         moving = scene%y
-         moving(scene%v) = y(scene%q) - scene%y(scene%q)
-         call turn_springs(model, state, moving)
-         is_settled = all(before == directions(model, state))
+         call turn_along(model, state, scene%y, scene%v, y(scene%q) - scene%y(scene%q), is_settled)
          if (.not. allocated(model%floors%springs)) return
          call storey_motion(model, state%side, y, d, d_dot)
          do i = 1, size(d)

@@ -55,12 +55,19 @@ contains
       type(static_scene_t), intent(in) :: scene
       type(static_curve_t), intent(in) :: curve
       type(values_t), intent(inout) :: row
-      real(wp) :: u(size(scene%pattern)), arm
+      real(wp) :: u(size(scene%pattern)), arm, unit
 
       u = loaded_displacements(scene, scene%y)
       arm = curve%height
       if (allocated(scene%building%z)) arm = dot_product(scene%pattern, scene%building%z)
-      associate (ratio => scene%load*mass_unit(scene)/scene%building%weight)
+      ! the mass that the equation of motion has as its unit, without a wall
+      unit = scene%building%unit
+      if (.not. (scene%equation%has_wall .or. scene%equation%floors%n > 0)) then
+         ! floors in proportion to the roof move the mass sum(m share**2)
+         if (allocated(scene%building%share)) unit = sum(scene%building%m &
+            *scene%building%share**2)
+      end if
+      associate (ratio => scene%load*unit/scene%building%weight)
          call put(row, id%base_shear_over_weight, ratio)
          call put(row, id%overturning_moment_over_weight_m, ratio*arm)
       end associate
@@ -76,18 +83,6 @@ contains
 
       energy = yielding_loss(scene%equation, scene%y) + scene%spent
    end function dissipated_energy
-
-   !> Reference mass of load and energies over the unit of mass: 1 with a wall, without it the mass
-   !> that the equation of motion has as its unit [-].
-   pure real(wp) function mass_unit(scene)
-      type(static_scene_t), intent(in) :: scene
-
-      mass_unit = scene%building%unit
-      if (scene%equation%has_wall .or. scene%equation%floors%n > 0) return
-      ! floors in proportion to the roof move the mass sum(m share**2)
-      if (allocated(scene%building%share)) mass_unit = sum(scene%building%m &
-         *scene%building%share**2)
-   end function mass_unit
 
    !> Write forces of the cable, the fuses and the frame, drifts and shears of the storeys.
    subroutine put_structure(scene, row)
@@ -121,11 +116,22 @@ contains
       type(links_t) :: links
       type(reactions_t) :: reactions
       type(section_extremes_t) :: extremes
-      real(wp) :: added(2), base(2)
+      real(wp) :: added(2), base(2), below(2, 1), above(2, 1)
+      !! forces of the load on linked floors; shear [m/s2] and moment [m2/s2] over m_w
 
       call find_links(scene, links, added)
-      if (has_section_forces(scene%equation)) call find_wall_forces(scene, links, extremes, base)
       associate (equation => scene%equation, y => scene%y, g => scene%equation%p%g)
+         ! largest section forces of the wall, and those at its base
+         if (has_section_forces(equation) .and. equation%beam%n > 0) then
+            call find_bent_extremes(scene%building%sections, equation, 0.0_wp, y, 0*y, links, &
+               extremes)
+            call find_bent_sections(scene%building%sections, equation, 0.0_wp, y, 0*y, links)
+            base = scene%building%sections%below_node(:, 0)
+         else if (has_section_forces(equation)) then
+            call find_section_extremes(equation, 0.0_wp, y, 0.0_wp, links, extremes)
+            call find_forces_beside(equation, 0.0_wp, y, 0.0_wp, links, [0.0_wp], below, above)
+            base = below(:, 1)
+         end if
          reactions = reactions_at(equation, 0.0_wp, y, 0*y)
          reactions%normal = reactions%normal - added(2)
          reactions%horizontal = reactions%horizontal - added(1)
@@ -186,28 +192,5 @@ contains
          links%force(2, :) = links%force(2, :) + tilt*push
       end associate
    end subroutine find_links
-
-   !> Find the largest section forces of the wall, and those at its base.
-   subroutine find_wall_forces(scene, links, extremes, base)
-      type(static_scene_t), intent(inout) :: scene
-      type(links_t), intent(in) :: links
-      type(section_extremes_t), intent(out) :: extremes
-      real(wp), intent(out) :: base(2)
-      !! shear [m/s2] and moment [m2/s2] over m_w
-      real(wp) :: below(2, 1), above(2, 1)
-
-      associate (equation => scene%equation, y => scene%y)
-         if (equation%beam%n > 0) then
-            call find_bent_extremes(scene%building%sections, equation, 0.0_wp, y, 0*y, links, &
-               extremes)
-            call find_bent_sections(scene%building%sections, equation, 0.0_wp, y, 0*y, links)
-            base = scene%building%sections%below_node(:, 0)
-         else
-            call find_section_extremes(equation, 0.0_wp, y, 0.0_wp, links, extremes)
-            call find_forces_beside(equation, 0.0_wp, y, 0.0_wp, links, [0.0_wp], below, above)
-            base = below(:, 1)
-         end if
-      end associate
-   end subroutine find_wall_forces
 
 end module rwmf_simulation_pushover_curve_row

@@ -16,7 +16,7 @@ module rwmf_simulation_pushover_demand_columns
    use rwmf_simulation_recorder_element_demands, only: largest_stroke
    use rwmf_simulation_recorder_force_envelopes, only: find_sections, lay_strip, place_sections, &
       put_strip
-   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+   use rwmf_simulation_recorder_reaction_extremes, only: infinite_where_lifted
    implicit none
    private
 
@@ -64,7 +64,8 @@ contains
             call put(row, id%shear_key_force_max_over_m_w_g, abs(reactions%horizontal) &
                /equation%p%g)
          else
-            call put(row, id%friction_demand, demand_of(reactions))
+            call put(row, id%friction_demand, &
+               infinite_where_lifted(friction_demand(reactions)))
          end if
          if (has_elements(equation)) then
             if (any(equation%elements%group == of_fuse)) call put(row, id%fuse_stroke_max_m, &
@@ -76,14 +77,6 @@ contains
          if (allocated(sections%strip)) call put_strip(row, sections, reactions%normal, y(1))
       end associate
    end subroutine put_demands
-
-   !> Friction demand, infinite without a compressive force on the pivot [-].
-   real(wp) function demand_of(reactions) result(demand)
-      type(reactions_t), intent(in) :: reactions
-
-      demand = friction_demand(reactions)
-      if (demand >= huge(demand)) demand = ieee_value(demand, ieee_positive_inf)
-   end function demand_of
 
    !> Append stress and strain of the tendon where its strands and its length are known.
    subroutine put_tendon(row, scene)

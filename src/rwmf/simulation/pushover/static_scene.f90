@@ -450,6 +450,8 @@ contains
       !! largest number of steps; of full steps, and of these and half steps, at the beginning
       real(wp), parameter :: settled = 1.0e-9_wp
       !! relative change below which the changes must not grow [-]
+      real(wp), parameter :: least = 1.0e-3_wp
+      !! size of a small displacement [m], and of a small load over g [-]
       real(wp), allocatable :: slopes(:, :), values(:), change(:)
       real(wp) :: size_of_change, last, spent
       integer :: i, m, first
@@ -468,7 +470,10 @@ contains
          if (i > full .and. i <= half) change = change/2
          y(scene%q(first:)) = y(scene%q(first:)) + change(:m - 1)
          load = load + change(m)
-         size_of_change = relative_size(scene, change, y, load)
+         ! largest change of the unknowns over their sizes [-]
+         size_of_change = maxval(abs(change(:m - 1)*scene%unit(first:)))/(least &
+            + maxval(abs(y(scene%q)*scene%unit)))
+         size_of_change = max(size_of_change, abs(change(m))/(least*scene%equation%p%g + abs(load)))
          is_found = size_of_change <= epsilon(last) .or. (size_of_change < settled &
             .and. size_of_change >= last/2)
          if (is_found) exit
@@ -477,26 +482,6 @@ contains
       end do
       call follow_positions(scene, y, spent)
    end subroutine find_equilibrium
-
-   !> Largest change of the unknowns over their sizes [-].
-   pure real(wp) function relative_size(scene, change, y, load) result(largest)
-      type(static_scene_t), intent(in) :: scene
-      real(wp), intent(in) :: change(:)
-      !! (unknowns)
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: load
-      !! [m/s2]
-      real(wp), parameter :: least = 1.0e-3_wp
-      !! size of a small displacement [m], and of a small load over g [-]
-      integer :: n, m
-
-      n = size(scene%q)
-      m = size(change)
-      largest = maxval(abs(change(:m - 1)*scene%unit(n - m + 2:)))/(least &
-         + maxval(abs(y(scene%q)*scene%unit)))
-      largest = max(largest, abs(change(m))/(least*scene%equation%p%g + abs(load)))
-   end function relative_size
 
    !> Find the rates of positions and load per rate of a quantity.
    subroutine find_tangent(scene, control, rates, load_rate, is_found)

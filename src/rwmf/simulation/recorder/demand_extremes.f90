@@ -7,10 +7,11 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_system_demands, only: building_of, building_t, demands_at, demands_t
    use rwmf_model_system_reactions, only: has_section_forces
-   use rwmf_problem_case, only: case_t, output_t, seeks
+   use rwmf_problem_case, only: case_t
    use rwmf_problem_frame_strength, only: has_strength, storeys_have_strengths
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t
+   use rwmf_simulation_recorder_peak_search, only: begin_search, keep_sought, &
+      peak_family_t, peak_search_t, put_peaks
    implicit none
    private
 
@@ -28,8 +29,6 @@ module rwmf_simulation_recorder_demand_extremes
       !! demands that loops over lanes compute
       type(demands_t) :: present
       !! demands at the last evaluated instant
-      real(wp) :: z_shear = 0, z_moment = 0
-      !! heights above the base of the largest shear and moment in the wall [m]
    contains
       procedure :: find => find_demands
       procedure :: note_place => note_height
@@ -61,45 +60,38 @@ contains
          end if
          if (building%is_linear) recorder%leader(drifts + 1:2*drifts) = recorder%leader(:drifts)
       end associate
-      call drop_others(recorder, case%output)
+      recorder%families = families_of(recorder%building, equation)
+      call keep_sought(recorder, case%output)
+      associate (building => recorder%building)
+         building%has_sections = any(recorder%leader(n - 1:) > 0)
+         recorder%list = demand_list_t(building%floors, building%drifts, building%has_sections)
+      end associate
       if (.not. has_section_forces(equation)) recorder%building%has_sections = .false.
    end subroutine create_demands
 
-   !> Drop the searches that serve no requested quantity.
-   pure subroutine drop_others(recorder, output)
-      type(demand_recorder_t), intent(inout) :: recorder
-      type(output_t), intent(in) :: output
-      logical :: is_requested(size(recorder%leader)), serves(size(recorder%leader))
-      integer :: q
+   !> Outputs of the searches. Drifts that follow the roof are shares of its displacement.
+   pure function families_of(building, equation) result(families)
+      type(building_t), intent(in) :: building
+      type(equation_t), intent(in) :: equation
+      type(peak_family_t), allocatable :: families(:)
 
-      associate (n => size(is_requested), s => recorder%building%drifts)
-         is_requested(:s) = seeks(output, [id%storey_i_drift_max, id%storey_drift_max, &
-            id%t_storey_drift_max_s])
-         is_requested(s + 1:2*s) = seeks(output, [id%storey_i_shear_max_over_m_w_g])
-         is_requested(2*s + 1:n - 3) = seeks(output, [id%floor_i_acceleration_max_g, &
-            id%floor_acceleration_max_g, id%t_floor_acceleration_max_s])
-         is_requested(n - 2) = seeks(output, [id%overturning_moment_max_over_weight_m, &
-            id%t_overturning_moment_max_s])
-         is_requested(n - 1) = seeks(output, [id%wall_shear_max_over_m_w_g, &
-            id%wall_shear_max_height_m])
-         is_requested(n) = seeks(output, [id%wall_moment_max_over_m_w_g_m, &
-            id%wall_moment_max_height_m])
-         serves = [(any(is_requested .and. recorder%leader == q), q=1, n)]
+      associate (s => building%drifts, n => building%floors, g => equation%p%g, &
+                 last => 2*building%drifts + building%floors, &
+                 has_sections => equation%has_wall .and. has_section_forces(equation))
+         families = [ &
+            peak_family_t(id%storey_i_drift_max, 1, s, largest=id%storey_drift_max, &
+            time=id%t_storey_drift_max_s, is_put=.not. follows_roof(equation)), &
+            peak_family_t(id%storey_i_shear_max_over_m_w_g, s + 1, s, unit=g), &
+            peak_family_t(id%floor_i_acceleration_max_g, 2*s + 1, n, unit=g, &
+            largest=id%floor_acceleration_max_g, time=id%t_floor_acceleration_max_s), &
+            peak_family_t(id%overturning_moment_max_over_weight_m, last + 1, &
+            time=id%t_overturning_moment_max_s, is_put=building%roof_height > 0), &
+            peak_family_t(id%wall_shear_max_over_m_w_g, last + 2, unit=g, &
+            height=id%wall_shear_max_height_m, is_put=has_sections), &
+            peak_family_t(id%wall_moment_max_over_m_w_g_m, last + 3, unit=g, &
+            height=id%wall_moment_max_height_m, is_put=has_sections)]
       end associate
-      where (.not. is_requested .and. .not. serves) recorder%leader = 0
-      ! form pools of drifts and of accelerations if only the largest of all is requested
-      associate (pool => recorder%pool, s => recorder%building%drifts, n => size(recorder%pool))
-         ! the drifts of a linear building also serve the shears of its storeys
-         if (.not. seeks(output, [id%storey_i_drift_max, id%storey_i_shear_max_over_m_w_g])) then
-            pool(:s) = 1
-         end if
-         if (.not. seeks(output, [id%floor_i_acceleration_max_g])) pool(2*s + 1:n - 3) = 2*s + 1
-      end associate
-      associate (building => recorder%building, n => size(serves))
-         building%has_sections = any(is_requested(n - 1:))
-         recorder%list = demand_list_t(building%floors, building%drifts, building%has_sections)
-      end associate
-   end subroutine drop_others
+   end function families_of
 
    !> Return whether loops over lanes can compute the demands: storeys that follow one mode have no
    !> states.
@@ -152,8 +144,8 @@ contains
       !! number of the demand
 
       associate (wall => self%present%wall, n => size(self%largest))
-         if (q == n - 1) self%z_shear = wall%z_shear
-         if (q == n) self%z_moment = wall%z_moment
+         if (q == n - 1) self%z_largest(q) = wall%z_shear
+         if (q == n) self%z_largest(q) = wall%z_moment
       end associate
    end subroutine note_height
 
@@ -202,46 +194,19 @@ contains
       !! largest |u_s| [m]
       real(wp), intent(in) :: t_u_s_max
       !! time of u_s_max [s]
-      real(wp) :: t_drift
-      real(wp), allocatable :: drifts(:)
-      integer :: n
 
-      n = size(recorder%largest)
-      associate (building => recorder%building, s => recorder%building%drifts, &
-                 g => equation%p%g, largest => recorder%largest, t => recorder%t_largest)
-         if (building%floors > 0) then
-            associate (accelerations => largest(2*s + 1:n - 3)/g)
-               call put(values, id%floor_i_acceleration_max_g, accelerations)
-               call put(values, id%floor_acceleration_max_g, maxval(accelerations))
-               call put(values, id%t_floor_acceleration_max_s, t(2*s + maxloc(accelerations, &
-                  dim=1)))
-            end associate
-            if (building%roof_height > 0) then
-               call put(values, id%roof_drift_max, u_s_max/building%roof_height)
-               call put(values, id%t_roof_drift_max_s, t_u_s_max)
-            end if
+      call put_peaks(values, recorder)
+      associate (building => recorder%building)
+         if (building%floors > 0 .and. building%roof_height > 0) then
+            call put(values, id%roof_drift_max, u_s_max/building%roof_height)
+            call put(values, id%t_roof_drift_max_s, t_u_s_max)
          end if
-         if (s > 0) then
-            drifts = largest(:s)
-            t_drift = t(maxloc(drifts, dim=1))
-            if (follows_roof(equation)) then
-               drifts = u_s_max*abs(building%bend)/building%height
-               t_drift = t_u_s_max
-            end if
+         if (building%drifts == 0 .or. .not. follows_roof(equation)) return
+         associate (drifts => u_s_max*abs(building%bend)/building%height)
             call put(values, id%storey_i_drift_max, drifts)
-            call put(values, id%storey_drift_max, maxval(abs(drifts)))
-            call put(values, id%t_storey_drift_max_s, t_drift)
-            call put(values, id%storey_i_shear_max_over_m_w_g, largest(s + 1:2*s)/g)
-         end if
-         if (building%roof_height > 0) then
-            call put(values, id%overturning_moment_max_over_weight_m, largest(n - 2))
-            call put(values, id%t_overturning_moment_max_s, t(n - 2))
-         end if
-         if (.not. (equation%has_wall .and. has_section_forces(equation))) return
-         call put(values, id%wall_shear_max_over_m_w_g, largest(n - 1)/g)
-         call put(values, id%wall_shear_max_height_m, recorder%z_shear)
-         call put(values, id%wall_moment_max_over_m_w_g_m, largest(n)/g)
-         call put(values, id%wall_moment_max_height_m, recorder%z_moment)
+            call put(values, id%storey_drift_max, maxval(drifts))
+            call put(values, id%t_storey_drift_max_s, t_u_s_max)
+         end associate
       end associate
    end subroutine put_demand_extremes
 

@@ -14,7 +14,22 @@ module rwmf_simulation_recorder_element_demands
 
    public :: watched_elements, force_of, travel_of, largest_stroke, extremes_of, put_element_forces
    public :: put_frame_force, put_elements, element_extremes_t, resting_uplift, coupling_ratio
-   public :: has_places
+   public :: has_places, element_ids, of_force, of_least_force
+
+   integer, parameter :: of_force = 5, of_least_force = 6
+   !! places in `element_ids`
+   integer, parameter :: element_ids(8, of_cable:of_restraint) = reshape([ &
+      0, 0, 0, 0, id%cable_i_force_max_over_m_w_g, id%cable_i_force_min_over_m_w_g, &
+      0, id%cable_i_prestress_loss_over_m_w_g, &
+      id%fuse_i_stroke_max_m, id%fuse_i_stroke_min_m, 0, id%fuse_i_stroke_sum_m, &
+      id%fuse_i_force_max_over_m_w_g, 0, id%fuse_i_force_end_over_m_w_g, 0, &
+      0, 0, 0, 0, 0, 0, 0, 0, &
+      0, 0, id%coupling_stroke_max_m, id%coupling_stroke_sum_m, &
+      id%coupling_force_max_over_m_w_g, 0, id%coupling_force_end_over_m_w_g, 0, &
+      id%restraint_i_stroke_max_m, id%restraint_i_stroke_min_m, 0, id%restraint_i_stroke_sum_m, &
+      id%restraint_i_force_max_over_m_w_g, 0, id%restraint_i_force_end_over_m_w_g, 0], [8, 5])
+   !! (outputs, groups) outputs of one element: largest and smallest stroke, largest magnitude and
+   !! sum of strokes, largest, smallest and last force, loss at theta = 0; 0 for none
 
    !> Strokes and forces of one vertical element.
    type :: element_extremes_t
@@ -165,39 +180,24 @@ contains
       type(values_t), intent(inout) :: values
       type(element_extremes_t), intent(in) :: elements(:)
 
-      associate (group => elements%group, low => elements%stroke(1), high => elements%stroke(2), &
-                 travel => elements%travel, force => elements%force(2), end => elements%force_end)
-         if (any(group == of_fuse)) then
-            call put(values, id%fuse_stroke_max_m, maxval(max(high, -low), group == of_fuse))
-            call put(values, id%fuse_stroke_sum_m, maxval(travel, group == of_fuse))
-            call put(values, id%fuse_i_stroke_max_m, pack(high, group == of_fuse))
-            call put(values, id%fuse_i_stroke_min_m, pack(low, group == of_fuse))
-            call put(values, id%fuse_i_stroke_sum_m, pack(travel, group == of_fuse))
-            call put(values, id%fuse_i_force_max_over_m_w_g, pack(force, group == of_fuse))
-            call put(values, id%fuse_i_force_end_over_m_w_g, pack(end, group == of_fuse))
-         end if
-         if (any(group == of_restraint)) then
-            call put(values, id%restraint_i_stroke_max_m, pack(high, group == of_restraint))
-            call put(values, id%restraint_i_stroke_min_m, pack(low, group == of_restraint))
-            call put(values, id%restraint_i_stroke_sum_m, pack(travel, group == of_restraint))
-            call put(values, id%restraint_i_force_max_over_m_w_g, pack(force, group &
-               == of_restraint))
-            call put(values, id%restraint_i_force_end_over_m_w_g, pack(end, group == of_restraint))
-         end if
-         if (any(group == of_coupling)) then
-            call put(values, id%coupling_stroke_max_m, maxval(max(high, -low), group &
-               == of_coupling))
-            call put(values, id%coupling_stroke_sum_m, sum(travel, group == of_coupling))
-            call put(values, id%coupling_force_max_over_m_w_g, sum(force, group == of_coupling))
-            call put(values, id%coupling_force_end_over_m_w_g, sum(end, group == of_coupling))
-         end if
-         if (any(group == of_cable)) then
-            call put(values, id%cable_i_force_max_over_m_w_g, pack(force, group == of_cable))
-            call put(values, id%cable_i_force_min_over_m_w_g, pack(elements%force(1), group &
-               == of_cable))
-            call put(values, id%cable_i_prestress_loss_over_m_w_g, pack(elements%loss, group &
-               == of_cable))
-         end if
+      integer :: i, j
+      real(wp) :: number(size(element_ids, 1))
+
+      do i = 1, size(elements)
+         associate (element => elements(i), ids => element_ids(:, elements(i)%group))
+            number = [element%stroke(2), element%stroke(1), maxval(abs(element%stroke)), &
+               element%travel, element%force(2), element%force(1), element%force_end, element%loss]
+            do j = 1, size(number)
+               if (ids(j) > 0) call put(values, ids(j), number(j:j), &
+                  count(elements(:i - 1)%group == element%group))
+            end do
+         end associate
+      end do
+      associate (is_fuse => elements%group == of_fuse)
+         if (.not. any(is_fuse)) return
+         call put(values, id%fuse_stroke_max_m, maxval(max(elements%stroke(2), &
+            -elements%stroke(1)), is_fuse))
+         call put(values, id%fuse_stroke_sum_m, maxval(elements%travel, is_fuse))
       end associate
    end subroutine put_elements
 

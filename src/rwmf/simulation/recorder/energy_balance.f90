@@ -30,14 +30,28 @@ contains
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      real(wp) :: work(power_count)
+      real(wp), parameter :: inner = sqrt(5 - 2*sqrt(10.0_wp/7))/3
+      real(wp), parameter :: outer = sqrt(5 + 2*sqrt(10.0_wp/7))/3
+      real(wp), parameter :: node(5) = [-outer, -inner, 0.0_wp, inner, outer]
+      real(wp), parameter :: weight(5) = [322 - 13*sqrt(70.0_wp), 322 + 13*sqrt(70.0_wp), &
+         512.0_wp, 322 + 13*sqrt(70.0_wp), 322 - 13*sqrt(70.0_wp)]/900
+      real(wp) :: work(power_count), power(power_count), y(piece%equation%n), t, h
+      integer :: i
 
       select type (integrator => piece%integrator)
       type is (explicit_pair_t)
          call integrator%find_work(piece%t_b, piece%y_b, work)
       class default
-         call apply_gauss_rule(piece, work, error)
-         if (allocated(error)) return
+         ! a Gauss rule of five states inside the piece
+         work = 0
+         h = piece%t_b - piece%t_a
+         do i = 1, size(node)
+            t = piece%t_a + h*(1 + node(i))/2
+            call piece%integrator%state_at(t, y, error)
+            if (allocated(error)) return
+            call powers_at(piece%equation, t, y, power)
+            work = work + weight(i)*h/2*power
+         end do
       end select
       call add_work(energy, work)
    end subroutine integrate_powers
@@ -54,32 +68,6 @@ contains
       energy%bending = energy%bending + work(of_bending)
       energy%input_max = max(energy%input_max, abs(energy%input))
    end subroutine add_work
-
-   !> Compute the work over a piece from five states inside it.
-   subroutine apply_gauss_rule(piece, work, error)
-      type(step_view_t), intent(in) :: piece
-      real(wp), intent(out) :: work(power_count)
-      !! [J/kg]
-      type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: inner = sqrt(5 - 2*sqrt(10.0_wp/7))/3
-      real(wp), parameter :: outer = sqrt(5 + 2*sqrt(10.0_wp/7))/3
-      real(wp), parameter :: node(5) = [-outer, -inner, 0.0_wp, inner, outer]
-      real(wp), parameter :: weight(5) = [322 - 13*sqrt(70.0_wp), 322 + 13*sqrt(70.0_wp), &
-         512.0_wp, 322 + 13*sqrt(70.0_wp), 322 - 13*sqrt(70.0_wp)]/900
-      real(wp) :: y(piece%equation%n), power(power_count)
-      real(wp) :: t, h
-      integer :: i
-
-      work = 0
-      h = piece%t_b - piece%t_a
-      do i = 1, size(node)
-         t = piece%t_a + h*(1 + node(i))/2
-         call piece%integrator%state_at(t, y, error)
-         if (allocated(error)) return
-         call powers_at(piece%equation, t, y, power)
-         work = work + weight(i)*h/2*power
-      end do
-   end subroutine apply_gauss_rule
 
    !> Fill in the parts of the energy balance that apply to the scene.
    !>

@@ -7,7 +7,6 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: frame_motion, kinematics_at
-   use rwmf_model_elements, only: of_cable
    use rwmf_model_floor_motion, only: floor_motion, follows_roof
    use rwmf_problem_quantity_values, only: values_t, put
    use rwmf_model_no_tension_strip, only: contact_length, settlement_stress, strip_t
@@ -18,20 +17,21 @@ module rwmf_simulation_recorder_force_envelopes
       reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, velocities_at_knots, velocity
-   use rwmf_problem_case, only: case_t, has_numbers, numbers_of, output_t, seeks
+   use rwmf_problem_case, only: case_t, has_numbers, numbers_of, seeks
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_first_change, only: stop_at_change
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_events_watched_spans, only: moment_t, span_between, span_of, span_t, watch_t
    use rwmf_simulation_recorder_element_demands, only: element_extremes_t, &
-      extremes_of, force_of, put_elements, travel_of, watched_elements
-   use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece
-   use rwmf_simulation_recorder_step_states, only: step_states_t
+      element_ids, extremes_of, force_of, of_force, of_least_force, put_elements, travel_of, &
+      watched_elements
+   use rwmf_simulation_recorder_peak_search, only: begin_search, keep_sought, &
+      peak_family_t, peak_search_t, put_peaks
    implicit none
    private
 
-   public :: envelope_recorder_t, create_envelopes, observe_envelopes
+   public :: envelope_recorder_t, create_envelopes, follow_elements
    public :: put_envelopes, put_envelope_extremes
    public :: place_sections, lay_strip, find_sections, put_strip, of_series
 
@@ -121,54 +121,63 @@ contains
             least = [least, spread(-huge(1.0_wp), 1, 2*size(recorder%watched))]
          end if
          call begin_search(recorder, equation, y, least)
-         if (.not. equation%has_wall) return
-         call mark_equal_sections(recorder, equation)
-         ! only tendons report their smallest force
-         associate (last => size(recorder%leader))
-            do i = 1, size(recorder%watched)
-               if (equation%elements(recorder%watched(i))%group /= of_cable) recorder%leader(last &
-                  - 2*size(recorder%watched) + 2*i) = 0
-            end do
-         end associate
+         ! Sections without a link have equal forces on both sides, and the wall ends at the roof:
+         ! forces above them need no separate search.
+         do i = 1, merge(n, 0, equation%has_wall)
+            if (i < n .and. equation%floors%are_linked) cycle
+            associate (first => n + of_sections + per_floor*(i - 1))
+               recorder%leader([first + 2, first + 4]) = first + [1, 3]
+            end associate
+         end do
       end associate
-      call drop_others(recorder, case%output)
+      recorder%families = families_of(recorder, equation)
+      call keep_sought(recorder, case%output)
+      recorder%sums_strokes = seeks(case%output, [id%fuse_stroke_sum_m, id%fuse_i_stroke_sum_m, &
+         id%restraint_i_stroke_sum_m, id%coupling_stroke_sum_m])
    end subroutine create_envelopes
 
-   !> Drop the searches that serve no requested quantity.
-   pure subroutine drop_others(recorder, output)
-      type(envelope_recorder_t), intent(inout) :: recorder
-      !! of a scene with a wall
-      type(output_t), intent(in) :: output
-      logical :: is_requested(size(recorder%leader)), serves(size(recorder%leader))
-      integer :: q
+   !> Outputs of the searches.
+   pure function families_of(recorder, equation) result(families)
+      type(envelope_recorder_t), intent(in) :: recorder
+      type(equation_t), intent(in) :: equation
+      type(peak_family_t), allocatable :: families(:)
+      integer :: i, first, last
 
-      recorder%sums_strokes = seeks(output, [id%fuse_stroke_sum_m, id%fuse_i_stroke_sum_m, &
-         id%restraint_i_stroke_sum_m, id%coupling_stroke_sum_m])
-      ! forces of the vertical elements
-      is_requested = seeks(output, [id%fuse_i_force_max_over_m_w_g, &
-         id%restraint_i_force_max_over_m_w_g, id%coupling_force_max_over_m_w_g, &
-         id%cable_i_force_max_over_m_w_g, id%cable_i_force_min_over_m_w_g])
-      associate (n => recorder%building%floors)
-         is_requested(:n) = seeks(output, [id%floor_i_velocity_max_m_s])
-         is_requested(n + of_normal) = seeks(output, [id%pivot_normal_max_over_m_w_g])
-         is_requested(n + of_base:n + of_middle - 1) = seeks(output, &
-            [id%wall_shear_base_max_over_m_w_g, id%wall_moment_base_max_over_m_w_g_m])
-         is_requested(n + of_middle:n + of_sections) = seeks(output, &
-            [id%wall_shear_mid_max_over_m_w_g, id%wall_moment_mid_max_over_m_w_g_m])
-         associate (last => n + of_sections + per_floor*n)
-            is_requested(n + of_sections + 1:last) = seeks(output, &
-               [id%wall_shear_i_max_over_m_w_g, id%wall_shear_i_above_max_over_m_w_g, &
-               id%wall_moment_i_max_over_m_w_g_m, id%wall_moment_i_above_max_over_m_w_g_m])
-            is_requested(last + 1:last + recorder%n_links) = seeks(output, &
-               [id%link_i_force_max_over_m_w_g])
-            if (allocated(recorder%strip)) is_requested(last + recorder%n_links + 1:last &
-               + recorder%n_links + of_strip) = seeks(output, [id%contact_length_min_m, &
-               id%toe_stress_max_Pa, id%toe_strain_max])
-         end associate
+      associate (n => recorder%building%floors, links => recorder%n_links, g => equation%p%g)
+         families = [peak_family_t(id%floor_i_velocity_max_m_s, 1, n)]
+         if (.not. equation%has_wall) return
+         first = n + of_sections + 1
+         last = n + of_sections + per_floor*n + links
+         families = [families, peak_family_t(id%pivot_normal_max_over_m_w_g, n + of_normal), &
+            peak_family_t(id%wall_shear_base_max_over_m_w_g, n + of_base), &
+            peak_family_t(id%wall_moment_base_max_over_m_w_g_m, n + of_base + 1), &
+            peak_family_t(id%wall_shear_mid_max_over_m_w_g, n + of_middle), &
+            peak_family_t(id%wall_moment_mid_max_over_m_w_g_m, n + of_middle + 1), &
+            peak_family_t(id%wall_shear_i_max_over_m_w_g, first, n, per_floor), &
+            peak_family_t(id%wall_shear_i_above_max_over_m_w_g, first + 1, n, per_floor), &
+            peak_family_t(id%wall_moment_i_max_over_m_w_g_m, first + 2, n, per_floor), &
+            peak_family_t(id%wall_moment_i_above_max_over_m_w_g_m, first + 3, n, per_floor), &
+            peak_family_t(id%link_i_force_max_over_m_w_g, last - links + 1, links, &
+            below=n - links)]
+         families(2:)%unit = g
+         families(3:)%is_put = has_section_forces(equation)
       end associate
-      serves = [(any(is_requested .and. recorder%leader == q), q=1, size(serves))]
-      where (.not. is_requested .and. .not. serves) recorder%leader = 0
-   end subroutine drop_others
+      if (allocated(recorder%strip)) then
+         families = [families, peak_family_t(id%contact_length_min_m, last + 1, unit=-1.0_wp), &
+            peak_family_t(id%toe_stress_max_Pa, last + 2, limit=recorder%strip%strength)]
+         if (allocated(recorder%modulus)) families = [families, &
+            peak_family_t(id%toe_strain_max, last + 2, unit=recorder%modulus)]
+         last = last + of_strip
+      end if
+      do i = 1, size(recorder%watched)
+         associate (ids => element_ids(:, equation%elements(recorder%watched(i))%group))
+            families = [families, peak_family_t(ids(of_force), last + 2*i - 1, is_put=.false.)]
+            ! only tendons report their smallest force
+            if (ids(of_least_force) > 0) families = [families, peak_family_t( &
+               ids(of_least_force), last + 2*i, is_put=.false.)]
+         end associate
+      end do
+   end function families_of
 
    !> Numbers of the quantities whose values are sums of series: the normal force of the pivot, and
    !> with a frame the force of its link.
@@ -228,25 +237,6 @@ contains
       recorder%m_w = case%unit_mass
       if (has_numbers(case, 'toe_strain')) recorder%modulus = sum(numbers_of(case, 'toe_strain'))
    end subroutine lay_strip
-
-   !> Mark forces above a section that need no separate search.
-   !>
-   !> Sections without a link have equal forces on both sides, and the wall ends at the roof.
-   subroutine mark_equal_sections(recorder, equation)
-      type(envelope_recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      !! equation of a scene with a wall
-      integer :: i
-
-      associate (n => recorder%building%floors)
-         do i = 1, n
-            if (i < n .and. equation%floors%are_linked) cycle
-            associate (first => n + of_sections + per_floor*(i - 1))
-               recorder%leader([first + 2, first + 4]) = first + [1, 3]
-            end associate
-         end do
-      end associate
-   end subroutine mark_equal_sections
 
    !> Compute the quantities at a state.
    subroutine find_envelopes(self, equation, t, y, y_dot, found)
@@ -376,25 +366,12 @@ contains
          - self%velocity_before
    end function floor_velocities
 
-   !> Update the envelopes over smooth motion inside the last step of the integrator.
-   subroutine observe_envelopes(recorder, piece, states, error)
-      type(envelope_recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: piece
-      type(step_states_t), allocatable, intent(inout) :: states
-      !! as for `search_piece`
-      type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails
-
-      call search_piece(recorder, piece, states, error)
-      if (allocated(error) .or. .not. recorder%sums_strokes) return
-      if (size(recorder%watched) > 0) call follow_elements(recorder, piece, error)
-   end subroutine observe_envelopes
-
    !> Add the travel of the elements over a piece, with every turning point of the rotation.
    subroutine follow_elements(recorder, piece, error)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       integer, parameter :: most_turns = 20
       !! further ones in a piece are round-off
       type(rotation_t) :: rotation
@@ -404,6 +381,7 @@ contains
       logical :: turns
       integer :: i
 
+      if (.not. recorder%sums_strokes .or. size(recorder%watched) == 0) return
       if (keeps_direction(piece)) then
          call add_travel(recorder, piece%equation, piece%y_a(1), piece%y_b(1))
          return
@@ -494,46 +472,17 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at the end
       type(element_extremes_t) :: elements(size(recorder%watched))
-      integer :: i, n
+      integer :: i
 
-      n = recorder%building%floors
-      if (n > 0) call put(values, id%floor_i_velocity_max_m_s, recorder%largest(:n))
-      if (.not. equation%has_wall) return
-      do i = 1, size(elements)
-         elements(i) = extremes_of(equation, recorder%watched(i), theta, y)
-         elements(i)%travel = recorder%travel(i)
-         associate (last => size(recorder%largest) - 2*(size(elements) - i))
-            elements(i)%force = [-1, 1]*recorder%largest([last, last - 1])/equation%p%g
-         end associate
-      end do
-      call put_elements(values, elements)
-      if (allocated(recorder%strip)) then
-         associate (last => size(recorder%largest) - 2*size(elements))
-            call put(values, id%contact_length_min_m, -recorder%largest(last - 1))
-            call put(values, id%toe_stress_max_Pa, min(recorder%largest(last), &
-               recorder%strip%strength))
-            if (allocated(recorder%modulus)) call put(values, id%toe_strain_max, &
-               recorder%largest(last)/recorder%modulus)
-         end associate
-      end if
-      associate (forces => recorder%largest(n + 1:)/equation%p%g)
-         call put(values, id%pivot_normal_max_over_m_w_g, forces(of_normal))
-         if (.not. has_section_forces(equation)) return
-         call put(values, id%wall_shear_base_max_over_m_w_g, forces(of_base))
-         call put(values, id%wall_moment_base_max_over_m_w_g_m, forces(of_base + 1))
-         call put(values, id%wall_shear_mid_max_over_m_w_g, forces(of_middle))
-         call put(values, id%wall_moment_mid_max_over_m_w_g_m, forces(of_middle + 1))
-         if (n == 0) return
-         associate (sections => reshape(forces(of_sections + 1:of_sections + per_floor*n), &
-                    [per_floor, n]), last => of_sections + per_floor*n + recorder%n_links)
-            call put(values, id%wall_shear_i_max_over_m_w_g, sections(1, :))
-            call put(values, id%wall_shear_i_above_max_over_m_w_g, sections(2, :))
-            call put(values, id%wall_moment_i_max_over_m_w_g_m, sections(3, :))
-            call put(values, id%wall_moment_i_above_max_over_m_w_g_m, sections(4, :))
-            call put(values, id%link_i_force_max_over_m_w_g, forces(last - recorder%n_links &
-               + 1:last), n - recorder%n_links)
-         end associate
+      call put_peaks(values, recorder)
+      associate (last => size(recorder%largest) - 2*size(elements))
+         do i = 1, size(elements)
+            elements(i) = extremes_of(equation, recorder%watched(i), theta, y)
+            elements(i)%travel = recorder%travel(i)
+            elements(i)%force = [-1, 1]*recorder%largest([last + 2*i, last + 2*i - 1])/equation%p%g
+         end do
       end associate
+      call put_elements(values, elements)
    end subroutine put_envelope_extremes
 
 end module rwmf_simulation_recorder_force_envelopes

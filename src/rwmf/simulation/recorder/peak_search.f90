@@ -14,16 +14,48 @@ module rwmf_simulation_recorder_peak_search
    use rwmf_model_equation, only: ground, has_further_effects
    use rwmf_model_system_assembly, only: equation_t, interval_of, rates_at
    use rwmf_motion_ground_motion, only: turning_point
+   use rwmf_problem_case, only: output_t, seeks
+   use rwmf_problem_quantity_values, only: put, values_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, rates_in, &
       sample_state, step_view_t, turning_frequency
-   use rwmf_simulation_recorder_peak_place, only: has_peak_inside, n_nodes, node
    use rwmf_simulation_recorder_step_states, only: fit_states, may_interpolate, state_inside, &
       step_states_t
    implicit none
    private
 
    public :: peak_search_t, begin_search, has_search, search_piece, search_rest, search_state
-   public :: find_at
+   public :: find_at, peak_family_t, keep_sought, put_peaks
+
+   integer, parameter :: n_nodes = 5
+   real(wp), parameter :: node(n_nodes) = [0.0_wp, 0.5_wp - sqrt(0.125_wp), 0.5_wp, &
+      0.5_wp + sqrt(0.125_wp), 1.0_wp]
+   !! Chebyshev-Lobatto nodes over a part of a piece [-]
+
+   !> Searches of one quantity, at one place or on several floors or storeys, and their outputs.
+   type :: peak_family_t
+      integer :: id
+      !! number of the quantity
+      integer :: first
+      !! number of the first search
+      integer :: n = 1
+      !! number of searches
+      integer :: step = 1
+      !! distance between two of them
+      real(wp) :: unit = 1
+      !! unit of the output in that of the search, negative for a smallest value
+      integer :: largest = 0
+      !! number of the quantity that is the largest of all; 0: none
+      integer :: time = 0
+      !! number of the quantity that is its time; 0: none
+      integer :: height = 0
+      !! number of the quantity that is its height along the wall; 0: none
+      real(wp) :: limit = huge(1.0_wp)
+      !! largest value of the output in the unit of the search
+      integer :: below = 0
+      !! number of the floors or storeys below the first
+      logical :: is_put = .true.
+      !! the scene has the outputs, and they follow from the search alone
+   end type peak_family_t
 
    !> Running maxima of quantities, each in its unit.
    type, abstract :: peak_search_t
@@ -31,6 +63,10 @@ module rwmf_simulation_recorder_peak_search
       !! (quantities) [unit of each]
       real(wp), allocatable :: t_largest(:)
       !! (quantities) [s]
+      real(wp), allocatable :: z_largest(:)
+      !! (quantities) height of the largest value along the wall, where it is noted [m]
+      type(peak_family_t), allocatable :: families(:)
+      !! outputs of the searches
       real(wp), allocatable :: smallest(:)
       !! (quantities) lower end of the range so far [unit of each]
       integer, allocatable :: leader(:)
@@ -90,7 +126,7 @@ contains
       self%largest = least
       self%level = least
       associate (n => size(least))
-         allocate (self%t_largest(n), source=0.0_wp)
+         allocate (self%t_largest(n), self%z_largest(n), source=0.0_wp)
          allocate (self%smallest(n), source=huge(1.0_wp))
          allocate (self%leader(n), source=[(q, q=1, n)])
          self%pool = self%leader
@@ -98,6 +134,61 @@ contains
          allocate (self%at_ends(n, 2))
       end associate
    end subroutine begin_search
+
+   !> Drop the searches that serve no requested output.
+   !>
+   !> If only the largest value of a family is requested, its searches form a pool.
+   pure subroutine keep_sought(self, output)
+      class(peak_search_t), intent(inout) :: self
+      type(output_t), intent(in) :: output
+      logical, dimension(size(self%leader)) :: is_sought, is_single
+      !! (quantities) an output is requested; it is not the largest of a family
+      integer :: i, q
+
+      is_sought = .false.
+      is_single = .false.
+      do i = 1, size(self%families)
+         associate (family => self%families(i))
+            do q = family%first, family%first + (family%n - 1)*family%step, family%step
+               is_single(q) = is_single(q) .or. seeks(output, [family%id])
+               is_sought(q) = is_sought(q) .or. seeks(output, [family%id, family%largest, &
+                  family%time, family%height])
+            end do
+         end associate
+      end do
+      where ([(.not. any(is_sought .and. (self%leader == q)), q=1, size(is_sought))] &
+         .and. .not. is_sought) self%leader = 0
+      do i = 1, size(self%families)
+         associate (family => self%families(i), first => self%families(i)%first)
+            if (family%largest == 0) cycle
+            associate (last => first + family%n - 1)
+               if (any(is_single .and. self%leader >= first .and. self%leader <= last)) cycle
+               self%pool(first:last) = first
+            end associate
+         end associate
+      end do
+   end subroutine keep_sought
+
+   !> Put the outputs of the searches.
+   pure subroutine put_peaks(values, self)
+      type(values_t), intent(inout) :: values
+      class(peak_search_t), intent(in) :: self
+      integer :: i, q
+
+      do i = 1, size(self%families)
+         associate (family => self%families(i))
+            if (family%n == 0 .or. .not. family%is_put) cycle
+            associate (found => self%largest(family%first:family%first + (family%n - 1) &
+                       *family%step:family%step))
+               call put(values, family%id, min(found, family%limit)/family%unit, family%below)
+               q = family%first + (maxloc(found, dim=1) - 1)*family%step
+            end associate
+            if (family%largest > 0) call put(values, family%largest, self%largest(q)/family%unit)
+            if (family%time > 0) call put(values, family%time, self%t_largest(q))
+            if (family%height > 0) call put(values, family%height, self%z_largest(q))
+         end associate
+      end do
+   end subroutine put_peaks
 
    !> Note the place along the wall of a new largest value. By default there is nothing to note.
    subroutine note_place(self, q)
@@ -437,5 +528,65 @@ contains
       frequency = max(frequency, sqrt(max(0.0_wp, (rates(2) - rates_beside(2)) &
          /(beside(1) - y(1)))))
    end function frequency_with_springs
+
+   !> Return whether a peak that may reach a level lies between the ends, from values at the nodes.
+   !>
+   !> The peak follows from the parabola through the largest value and its neighbours. If an end is
+   !> largest, the slope of the polynomial through all nodes shows a peak beside it.
+   pure logical function has_peak_inside(found, level) result(has_peak)
+      real(wp), intent(in) :: found(n_nodes)
+      !! the quantity at the nodes, in any unit
+      real(wp), intent(in) :: level
+      !! value above which a peak counts, in the same unit
+      real(wp), parameter :: margin = 0.1_wp
+      !! tolerance over the range of the samples, and over the width of the parabola [-]
+      real(wp) :: vertex, peak, width, slope, bend
+      integer :: best, k
+
+      best = maxloc(found, dim=1)
+      k = min(max(best, 2), n_nodes - 1)
+      width = node(k + 1) - node(k - 1)
+      slope = (found(k) - found(k - 1))/(node(k) - node(k - 1))
+      bend = ((found(k + 1) - found(k))/(node(k + 1) - node(k)) - slope)/width
+      vertex = vertex_of_parabola(node(k - 1:k + 1), found(k - 1:k + 1))
+      peak = found(best)
+      has_peak = bend < 0 .and. vertex > node(k - 1) - margin*width .and. vertex < node(k + 1) &
+         + margin*width
+      if (has_peak) then
+         peak = max(peak, found(k - 1) + (vertex - node(k - 1))*(slope + bend*(vertex - node(k))))
+      else if (best > 1 .and. best < n_nodes) then
+         has_peak = .true.
+      else
+         call derivatives(node, found, node(best), slope, bend)
+         has_peak = merge(slope, -slope, best == 1) > 0
+      end if
+      has_peak = has_peak .and. peak + margin*(maxval(found) - minval(found)) >= level
+   end function has_peak_inside
+
+   !> Compute first and second derivative of the polynomial through the nodes, by Newton's form.
+   pure subroutine derivatives(t, f, at, slope, bend)
+      real(wp), intent(in) :: t(n_nodes), f(n_nodes)
+      !! times [s] and values of f in any unit
+      real(wp), intent(in) :: at
+      !! [s]
+      real(wp), intent(out) :: slope, bend
+      real(wp) :: c(n_nodes), value
+      integer :: i, j
+
+      c = f
+      do j = 2, n_nodes
+         do i = n_nodes, j, -1
+            c(i) = (c(i) - c(i - 1))/(t(i) - t(i - j + 1))
+         end do
+      end do
+      value = c(n_nodes)
+      slope = 0
+      bend = 0
+      do i = n_nodes - 1, 1, -1
+         bend = bend*(at - t(i)) + 2*slope
+         slope = slope*(at - t(i)) + value
+         value = value*(at - t(i)) + c(i)
+      end do
+   end subroutine derivatives
 
 end module rwmf_simulation_recorder_peak_search

@@ -30,18 +30,18 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_recorder_element_demands, only: put_element_forces, put_frame_force
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
    use rwmf_simulation_recorder_force_envelopes, only: create_envelopes, envelope_recorder_t, &
-      observe_envelopes, put_envelopes
+      follow_elements, put_envelopes
    use rwmf_simulation_recorder_peak_search, only: search_piece, search_rest, search_state
-   use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
-      observe_moving, observe_resting, reaction_extremes_recorder_t
+      observe_moving, observe_resting, put_reactions, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_step_states, only: step_states_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
    use rwmf_simulation_recorder_top_motion, only: top_count, top_displacements, &
       top_motion_t
    use rwmf_simulation_state_history, only: create_history, history_t, shorten_history
    use rwmf_simulation_state_newtons, only: force_t, forces_of, put_newtons
-   use rwmf_simulation_state_result, only: append_event, energy_t, event_t, shorten_events
+   use rwmf_simulation_state_result, only: append_event, counts_t, energy_t, &
+      event_t, shorten_events
    use rwmf_text_decimal, only: short_decimal
    implicit none
    private
@@ -53,7 +53,7 @@ module rwmf_simulation_recorder_recorder
    public :: observe_chatter, observe_present, create_columns, find_columns, find_rates
 
    !> Counts and running maxima.
-   type :: peaks_t
+   type, extends(counts_t) :: peaks_t
       real(wp) :: u_max = 0
       !! largest |u_s| [m]
       real(wp) :: t_u_max = 0
@@ -66,17 +66,11 @@ module rwmf_simulation_recorder_recorder
       !! largest |theta'| [rad/s]
       real(wp) :: theta_dot_ends = 0
       !! largest |theta'| at the ends of steps only [rad/s]
-      integer(i8) :: impacts = 0
-      integer(i8) :: lift_offs = 0
-      real(wp) :: t_grazing = -1
-      !! time of the first grazing, a return onto or just above the base; negative: none [s]
-      real(wp) :: t_chatter = -1
-      !! time of the first averaging of unresolved bounces; negative: none [s]
    end type peaks_t
 
    !> Running maxima, counts and records.
    type, extends(peaks_t) :: recorder_t
-      real(wp) :: cable_max
+      real(wp) :: cable_max = 0
       !! largest P/(m_w g) of tendons that can yield, go slack or break [-]
       logical :: follows_cable = .false.
       !! a tendon can do that
@@ -84,7 +78,7 @@ module rwmf_simulation_recorder_recorder
       !! the case gives the places of the fuses
       logical :: seeks_velocity = .true.
       !! the largest |theta'| is requested
-      logical :: keeps_energy
+      logical :: keeps_energy = .false.
       type(energy_t) :: energy
       real(wp), allocatable :: drifts(:)
       !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without such storeys
@@ -101,8 +95,8 @@ module rwmf_simulation_recorder_recorder
       !! allocated only if envelopes are requested
       real(wp) :: t_settled = -huge(1.0_wp)
       !! end of the chatter that a rest omits: the forces of rest begin there [s]
-      logical :: keeps_history
-      logical :: keeps_events
+      logical :: keeps_history = .false.
+      logical :: keeps_events = .false.
       !! set with a history, or for a host that steps the wall
       type(history_t), allocatable :: history
       type(values_t) :: row
@@ -116,7 +110,7 @@ module rwmf_simulation_recorder_recorder
       integer :: next_row
       !! first row of the history that is still empty
       type(event_t), allocatable :: events(:)
-      integer :: n_events
+      integer :: n_events = 0
    end type recorder_t
 
 contains
@@ -136,18 +130,8 @@ contains
       recorder%u_max = -1
       recorder%theta_max = -huge(1.0_wp)
       recorder%theta_min = huge(1.0_wp)
-      recorder%theta_dot_max = 0
-      recorder%theta_dot_ends = 0
-      recorder%cable_max = 0
       recorder%follows_cable = has_tendons(equation)
-      recorder%has_offsets = .false.
       if (allocated(case%fuse)) recorder%has_offsets = allocated(case%fuse%offset)
-      recorder%impacts = 0
-      recorder%lift_offs = 0
-      recorder%keeps_energy = .false.
-      recorder%keeps_history = .false.
-      recorder%keeps_events = .false.
-      recorder%n_events = 0
       allocate (recorder%events(0))
       if (equation%floors%yields) then
          allocate (recorder%drifts(equation%floors%n_storeys), source=0.0_wp)
@@ -292,6 +276,8 @@ contains
       logical, intent(in), optional :: has_calm_demands
       !! the piece is known to have no extremum of the demands
       type(displacements_t) :: floors
+      type(top_motion_t) :: top
+      real(wp) :: times(top_count)
       type(step_view_t) :: seen
       !! part of the piece with its own forces
       type(step_states_t), allocatable :: states
@@ -323,30 +309,25 @@ contains
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, &
          recorder%t_drifts, floors, piece, error)
       if (allocated(error)) return
-      if (allocated(recorder%top)) call observe_top(recorder, piece, error)
+      if (allocated(recorder%top)) then
+         call observe_turns(recorder%top, times, top, piece, error)
+         if (piece%equation%has_frame .and. recorder%top(1) > recorder%u_max) then
+            recorder%u_max = recorder%top(1)
+            recorder%t_u_max = times(1)
+         end if
+      end if
       if (allocated(error)) return
       if (has_demands) call search_piece(recorder%demands, seen, states, error)
       if (allocated(error)) return
-      if (has_envelopes) call observe_envelopes(recorder%envelopes, seen, states, error)
+      if (has_envelopes) then
+         call search_piece(recorder%envelopes, seen, states, error)
+         if (.not. allocated(error)) call follow_elements(recorder%envelopes, seen, error)
+      end if
       if (allocated(error)) return
       if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
       if (recorder%keeps_energy) call integrate_powers(recorder%energy, piece, error)
    end subroutine observe_piece
-
-   !> Update the maxima of a bending wall's roof displacement and tip deflection inside a piece.
-   subroutine observe_top(recorder, piece, error)
-      type(recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: piece
-      type(error_t), allocatable, intent(out) :: error
-      type(top_motion_t) :: top
-      real(wp) :: times(top_count)
-
-      call observe_turns(recorder%top, times, top, piece, error)
-      if (.not. piece%equation%has_frame .or. .not. recorder%top(1) > recorder%u_max) return
-      recorder%u_max = recorder%top(1)
-      recorder%t_u_max = times(1)
-   end subroutine observe_top
 
    !> Update the maximum of |theta'| inside a piece, at theta'' = 0.
    !>

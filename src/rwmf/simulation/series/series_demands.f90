@@ -197,7 +197,17 @@ contains
                case (of_reactions)
                   call load_reaction(lane, of%number, sums, row, level)
                case (of_building)
-                  row = building_row(lane, of%number, sums(:, of_frame), 2*m - 3)
+                  associate (building => lane%recorder%demands%building)
+                     if (of%number <= 2*building%drifts) then
+                        ! drift of the lowest storey
+                        row = 0
+                        row([of_sine, of_cosine]) = building%bend(1)/building%height(1) &
+                           *sums([of_sine_2, of_cosine_2], of_frame)
+                     else
+                        row = building%share(of%number - 2*building%drifts)*sums(:, of_frame)
+                        row(of_ground) = 1
+                     end if
+                  end associate
                case default
                   row = sums(:, merge(of_normal, of_link, is_normal(of, lane%recorder)))
                end select
@@ -297,29 +307,6 @@ contains
          factors(terms) = factors(terms) + more
       end subroutine add
    end subroutine add_elements
-
-   !> Row of a drift of the lowest storey or of a floor's acceleration.
-   pure function building_row(lane, q, frame, side) result(row)
-      type(lane_state_t), intent(in) :: lane
-      integer, intent(in) :: q
-      !! number of the demand
-      real(wp), intent(in) :: frame(demand_terms)
-      !! of the frame's acceleration
-      integer, intent(in) :: side
-      !! +1 or -1
-      real(wp) :: row(demand_terms)
-
-      associate (building => lane%recorder%demands%building)
-         if (q <= 2*building%drifts) then
-            row = 0
-            row([of_sine, of_cosine]) = building%bend(1)/building%height(1)*frame([of_sine_2, &
-               of_cosine_2])
-         else
-            row = building%share(q - 2*building%drifts)*frame
-            row(of_ground) = 1
-         end if
-      end associate
-   end function building_row
 
    !> Load the row of a reaction and its level.
    !>

@@ -39,16 +39,7 @@ contains
             if (batch%lanes%is_open(i) > 0) call search_step(i, batch)
          end do
       end if
-      if (batch%lanes%some_peak) then
-         do i = 1, series_width
-            if (batch%lanes%may_peak(i) > 0) call find_peak(i, batch)
-         end do
-      end if
-      if (batch%lanes%some_speed) then
-         do i = 1, series_width
-            if (batch%lanes%may_race(i) > 0) call find_speed(i, batch)
-         end do
-      end if
+      if (batch%lanes%some_peak .or. batch%lanes%some_speed) call find_peaks(batch)
       if (batch%lanes%some_demand) then
          do i = 1, series_width
             if (batch%lanes%may_exceed(i) > 0) call search_demands(lanes(i), i, batch)
@@ -64,6 +55,33 @@ contains
       batch%steps_left = batch%steps_left - 1
       if (batch%steps_left < 0) call check_work(lanes, batch)
    end subroutine step_series
+
+   !> Find the largest rotations and velocities in the steps of the lanes.
+   subroutine find_peaks(batch)
+      type(series_batch_t), intent(inout) :: batch
+      real(wp) :: c(batch%kernels%order), largest, place
+      integer :: i, k, m
+
+      associate (lanes => batch%lanes)
+         do i = 1, series_width
+            if (lanes%may_peak(i) > 0) then
+               m = merge(right, left, lanes%side(i) > 0)
+               call find_largest(lanes%p(i, :batch%kernels%order), lanes%x(i), largest, place)
+               if (largest > lanes%top(i, m)) then
+                  lanes%top(i, m) = largest
+                  lanes%t_top(i, m) = lanes%t(i) + place*lanes%h(i)
+               end if
+            end if
+            if (.not. (lanes%some_speed .and. lanes%may_race(i) > 0)) cycle
+            c = [(k*lanes%p(i, k)/lanes%h(i), k=1, size(c))]
+            do k = 1, 2
+               call find_largest(c, lanes%x(i), largest, place)
+               lanes%top_speed(i) = max(lanes%top_speed(i), largest)
+               c = -c
+            end do
+         end do
+      end associate
+   end subroutine find_peaks
 
    !> Find the first event in the step of a lane.
    subroutine search_step(i, batch)
@@ -127,41 +145,6 @@ contains
              *batch%lanes%h(i)**2) power_of = 3
       end function power_of
    end subroutine search_step
-
-   !> Find the largest rotation in the step of a lane.
-   subroutine find_peak(i, batch)
-      integer, intent(in) :: i
-      !! number of the lane in the batch
-      type(series_batch_t), intent(inout) :: batch
-      real(wp) :: largest, place
-      integer :: m
-
-      associate (lanes => batch%lanes)
-         m = merge(right, left, lanes%side(i) > 0)
-         call find_largest(lanes%p(i, :batch%kernels%order), lanes%x(i), largest, place)
-         if (.not. largest > lanes%top(i, m)) return
-         lanes%top(i, m) = largest
-         lanes%t_top(i, m) = lanes%t(i) + place*lanes%h(i)
-      end associate
-   end subroutine find_peak
-
-   !> Find the largest velocity in the step of a lane.
-   subroutine find_speed(i, batch)
-      integer, intent(in) :: i
-      !! number of the lane in the batch
-      type(series_batch_t), intent(inout) :: batch
-      real(wp) :: c(batch%kernels%order), largest, place
-      integer :: k
-
-      associate (lanes => batch%lanes)
-         c = [(k*lanes%p(i, k)/lanes%h(i), k=1, size(c))]
-         do k = 1, 2
-            call find_largest(c, lanes%x(i), largest, place)
-            lanes%top_speed(i) = max(lanes%top_speed(i), largest)
-            c = -c
-         end do
-      end associate
-   end subroutine find_speed
 
    !> Apply an impact that may end in rest, the end of a branch, or overturning.
    subroutine apply_rare_event(lane, i, batch)

@@ -49,6 +49,11 @@ contains
       !! phase angle of the fastest vibration in a step [rad]
       real(wp), parameter :: part = 0.1_wp
       !! part of the absolute tolerance beside that of the largest rotation so far [-]
+      real(wp), parameter :: most = 0.3_wp, most_with_pulse = 0.05_wp
+      !! largest part of the tolerance for the last term of a step [-]. The knots of a record
+      !! shorten most steps beyond need, those of a pulse do not
+      real(wp), parameter :: span = 30
+      !! phase angle over which errors may add up with this part [rad]
 
       batch%is_busy(i) = .true.
       batch%lanes%is_busy(i) = 0
@@ -60,7 +65,10 @@ contains
          lanes%rtol(i) = tolerance%rtol
          lanes%least_size(i) = part*tolerance%atol(1)
          lanes%frequency(i) = max(equation%p%omega_s, sqrt(equation%p%g_over_R))
-         lanes%allowance(i) = allowance_of(equation, lanes%frequency(i)*lane%t_end)
+         ! The error of a step is a small part of the last term. Damping bounds the sum of the
+         ! errors; without damping they add up over the run.
+         lanes%allowance(i) = merge(most, most_with_pulse, is_piecewise_linear(equation%motion)) &
+            *min(1.0_wp, span*max(equation%p%xi_s, 1/(lanes%frequency(i)*lane%t_end)))
          lanes%longest(i) = angle/max(lanes%frequency(i), fastest_rate(equation%motion))
          lanes%lower(i) = 0
          call find_last(equation, hybrid%drifts, hybrid%overturning_angle, batch%last(i, :))
@@ -119,23 +127,6 @@ contains
       end do
       equation%state%side = side
    end subroutine find_last
-
-   !> Part of the tolerance for the last term of a step.
-   !>
-   !> The error of a step is a small part of this term. Damping bounds the sum of the errors.
-   !> Without damping they add up over the run.
-   pure real(wp) function allowance_of(equation, angle) result(part)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: angle
-      !! phase angle of the vibration over the whole run [rad]
-      real(wp), parameter :: most = 0.3_wp, most_with_pulse = 0.05_wp
-      !! the knots of a record shorten most steps beyond need, those of a pulse do not
-      real(wp), parameter :: span = 30
-      !! phase angle over which errors may add up with this part [rad]
-
-      part = merge(most, most_with_pulse, is_piecewise_linear(equation%motion)) &
-         *min(1.0_wp, span*max(equation%p%xi_s, 1/angle))
-   end function allowance_of
 
    !> Load the coefficients of the equation of motion, for both sides.
    subroutine load_coefficients(equation, i, batch)
@@ -458,7 +449,8 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
-      integer :: side
+      real(wp) :: u
+      integer :: m, side
 
       associate (lanes => batch%lanes, hybrid => lane%hybrid, equation => lane%equation, &
                  recorder => lane%recorder)
@@ -476,34 +468,20 @@ contains
          recorder%theta_dot_max = max(recorder%theta_dot_max, lanes%top_speed(i))
          recorder%theta_max = max(recorder%theta_max, lanes%top(i, right))
          recorder%theta_min = min(recorder%theta_min, -lanes%top(i, left))
-         call note_peaks(equation, lanes%top(i, :), lanes%t_top(i, :), recorder)
+         ! Maxima of cable and frame at the largest rotations on both sides. The force of a tendon
+         ! that yields or has yielded is largest at the largest rotation so far.
+         do m = left, right
+            side = 2*m - 3
+            if (recorder%follows_cable) recorder%cable_max = max(recorder%cable_max, &
+               cable_force_at(equation, side*lanes%top(i, m), side))
+            if (.not. equation%has_frame) cycle
+            u = abs(frame_displacement(equation, side, [side*lanes%top(i, m)]))
+            if (.not. u > recorder%u_max) cycle
+            recorder%u_max = u
+            recorder%t_u_max = lanes%t_top(i, m)
+         end do
       end associate
    end subroutine leave_series
-
-   !> Update the maxima of cable and frame at the largest rotations on both sides.
-   !>
-   !> The force of a tendon that yields or has yielded is largest at the largest rotation so far.
-   subroutine note_peaks(equation, top, t_top, recorder)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: top(2)
-      !! by side [rad]
-      real(wp), intent(in) :: t_top(2)
-      !! their times [s]
-      type(recorder_t), intent(inout) :: recorder
-      real(wp) :: u
-      integer :: m, side
-
-      do m = left, right
-         side = 2*m - 3
-         if (recorder%follows_cable) recorder%cable_max = max(recorder%cable_max, &
-            cable_force_at(equation, side*top(m), side))
-         if (.not. equation%has_frame) cycle
-         u = abs(frame_displacement(equation, side, [side*top(m)]))
-         if (.not. u > recorder%u_max) cycle
-         recorder%u_max = u
-         recorder%t_u_max = t_top(m)
-      end do
-   end subroutine note_peaks
 
    !> Shorten the series of lanes whose terms do not decay. Fail if a series is below the resolution
    !> of the time.

@@ -10,7 +10,7 @@ module rwmf_simulation_state_result
    implicit none
    private
 
-   public :: result_t, event_t, energy_t, append_event, shorten_events, add_warning
+   public :: result_t, counts_t, event_t, energy_t, append_event, shorten_events, add_warning
    public :: complete_values, result_values, result_value
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
@@ -73,8 +73,18 @@ module rwmf_simulation_state_result
       !! reported terms at the end
    end type energy_t
 
+   !> Counts and first times of a run.
+   type :: counts_t
+      integer(i8) :: impacts = 0
+      integer(i8) :: lift_offs = 0
+      real(wp) :: t_grazing = -1
+      !! first time at which the wall turns back on its base or just above it; negative: never [s]
+      real(wp) :: t_chatter = -1
+      !! first time of averaged bounces below the resolution; negative: none [s]
+   end type counts_t
+
    !> Result of one simulation. Components that do not apply to the scene are not allocated.
-   type :: result_t
+   type, extends(counts_t) :: result_t
       type(values_t) :: values
       !! scalars that apply to the scene and are requested; `result_values` adds those of the run
       real(wp), allocatable :: u_s_max
@@ -83,17 +93,11 @@ module rwmf_simulation_state_result
       !! largest theta [rad]; absent without a wall, as is the following
       real(wp), allocatable :: theta_min
       !! smallest theta [rad]
-      integer(i8) :: impacts = 0
-      integer(i8) :: lift_offs = 0
       logical :: has_impacts = .false.
       !! true if the scene has a rocking wall, with impacts and lift-offs
       logical :: overturned = .false.
       logical :: has_collapsed = .false.
       !! a drift exceeds the limit of an effect
-      real(wp) :: t_grazing = -1
-      !! first time at which the wall turns back on its base or just above it; negative: never [s]
-      real(wp) :: t_chatter = -1
-      !! first time of averaged bounces below the resolution; negative: none [s]
       integer(i8) :: steps = 0
       !! number of accepted steps of the integrator
       integer(i8) :: rhs_evaluations = 0
