@@ -208,18 +208,18 @@ contains
       last = 0
       i = 1
       do while (i <= len(text))
-         n = 1
-         do k = 1, size(signs)
-            n = len_trim(signs(k))
-            if (i + n - 1 > len(text)) cycle
-            if (text(i:i + n - 1) == signs(k) (:n)) exit
-         end do
          last = last + 1
-         if (k <= size(signs)) then
-            plain(last:last) = ascii(k:k)
-         else
-            n = 1
-            plain(last:last) = to_lower(text(i:i))
+         plain(last:last) = to_lower(text(i:i))
+         n = 1
+         if (iachar(text(i:i)) > 127 .or. text(i:i) == achar(9)) then
+            do k = 1, size(signs)
+               associate (width => len_trim(signs(k)))
+                  if (text(i:min(i + width - 1, len(text))) /= signs(k) (:width)) cycle
+                  plain(last:last) = ascii(k:k)
+                  n = width
+                  exit
+               end associate
+            end do
          end if
          i = i + n
       end do
