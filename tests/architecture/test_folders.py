@@ -106,10 +106,6 @@ def test_few_modules_name_an_effect(tree: Tree, effect: str) -> None:
     assert len(found) <= NAMING_MODULES[effect]
 
 
-def test_no_circles(tree: Tree) -> None:
-    _none(tree.cycle)
-
-
 def test_only_two_folders_name_sundials(tree: Tree) -> None:
     _none(rules.foreign_sundials(tree))
 
