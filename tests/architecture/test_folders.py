@@ -160,6 +160,13 @@ def test_every_build_file_lists_the_sources_beside_it() -> None:
     _none(rules.build_lists(SRC))
 
 
+def test_every_fortran_test_is_built() -> None:
+    unit = ROOT / "tests" / "unit"
+    built = (unit / "meson.build").read_text(encoding="utf-8")
+    names = [path.stem.removeprefix("test_") for path in unit.rglob("test_*.f90")]
+    assert names and all(f"'{name}'" in built for name in names)
+
+
 def test_the_page_names_the_folders_in_their_order(order: list[str]) -> None:
     page = (ROOT / "docs" / "developer" / "architecture.md").read_text(encoding="utf-8")
     page = page.partition("\n## The folders of the kernel\n")[2]
