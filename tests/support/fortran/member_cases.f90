@@ -4,7 +4,7 @@ module member_cases
    implicit none
    private
 
-   public :: member_case, member_case_count, member_case_name
+   public :: member_case, member_case_count, member_case_name, leaning
 
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: storeys = '&storeys m_over_m_w = 2.5, 2.0, k_over_m_w = 800.0, ' &
@@ -14,6 +14,7 @@ module member_cases
       //'&inerter inertance_over_m_w = 1.0 /'//nl//'&vertical ratio = 0.5 /'//nl
    character(*), parameter :: one_mass = '&frame T_s = 0.5, gamma = 5.0, xi_s = 0.05 /'//nl
    character(*), parameter :: many = '&frame xi_s = 0.05 /'//nl
+   character(*), parameter :: leaning = '&initial theta_over_alpha = 0.1 /'
    character(*), parameter :: yields = '&cable eta_0 = 1.0, eta_alpha = 5.0, eta_y = 1.2, ' &
       //'hardening = 0.02 /'//nl
 
@@ -35,14 +36,15 @@ contains
       name = trim(names(i))
    end function member_case_name
 
-   !> Namelist text of a case.
-   pure function member_case(i) result(text)
+   !> Namelist text of a case; `more` has further groups.
+   pure function member_case(i, more) result(text)
       integer, intent(in) :: i
       !! number of the case
+      character(*), intent(in) :: more
       character(:), allocatable :: text
 
       text = groups_of(trim(names(i)))//"&motion kind = 'one_sine', a_max_g = 0.7, " &
-         //'omega_p = 8.0 /'//nl//"&solver method = 'dop853', rtol = 1e-10, " &
+         //'omega_p = 8.0 /'//nl//more//nl//"&solver method = 'dop853', rtol = 1e-10, " &
          //'t_end = 2.0 /'//nl
    end function member_case
 
