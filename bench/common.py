@@ -1,10 +1,13 @@
-"""Parts that the programs of this folder share: places, tables in Markdown, alternating times."""
+"""Parts that the programs of this folder share: places, stored tables, alternating times."""
 
 import csv
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+
+from reproduce.markdown import fill as fill
+from reproduce.markdown import table as table
 
 ROOT = Path(__file__).resolve().parent.parent
 RECORD = {
@@ -14,24 +17,6 @@ RECORD = {
 }
 # scenes of the tests
 sys.path.append(str(ROOT / "tests" / "support"))
-
-
-def line(cells: Sequence[object]) -> str:
-    """Write a line of a table in Markdown."""
-    return f"| {' | '.join(map(str, cells))} |"
-
-
-def table(heads: Sequence[object], rows: Iterable[Sequence[object]]) -> str:
-    """Write a table in Markdown."""
-    return "\n".join([line(heads), "|" + "---|" * len(heads), *map(line, rows)])
-
-
-def fill(path: Path, **parts: str) -> str:
-    """Read a text and put parts in the place of its comments."""
-    text = path.read_text(encoding="utf-8")
-    for name, part in parts.items():
-        text = text.replace(f"<!-- {name} -->", part)
-    return text
 
 
 def read_rows(path: Path, kinds: Sequence[Callable[[str], object]]) -> list[list[object]]:

@@ -18,7 +18,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import rwmf
-from common import line
+from common import table
 from engines import Array, Pulse, cable_of, case_of, frame_of, pulse_of, slip, store_cases
 from reproduce.engines import write
 
@@ -65,9 +65,7 @@ def _store(name: str, folder: Path) -> None:
     stride = round(engine.stored_interval / engine.dt)
     write(folder / f"{name}.csv", facts, rows[::stride, :6])
     heads = ("case", "windows", "rms N", "difference", "rms H", "difference", "friction", "MuJoCo")
-    print(
-        line(heads), line([name, *(f"{x:.4g}" for x in reactions(case, forces, engine))]), sep="\n"
-    )
+    print(table(heads, [[name, *(f"{x:.4g}" for x in reactions(case, forces, engine))]]))
 
 
 def simulate(case: rwmf.Case, engine: Engine) -> tuple[Array, Array]:

@@ -213,8 +213,7 @@ def main() -> None:
     print(textwrap.fill(f"The {len(EFFECTS)} effects: {names}.", 118) + "\n")
     print(f"Of their pairs {kinds.count('runs')} run, {kinds.count('alternatives')} are ", end="")
     print(f"alternatives of one key or group, and {kinds.count('refused')} are refused:\n")
-    cells = ([cell.replace("|", "\\|") for cell in row] for row in refusals(outcomes))
-    print(table(("effect", "refused with", "message"), cells))
+    print(table(("effect", "refused with", "message"), refusals(outcomes)))
 
 
 if __name__ == "__main__":

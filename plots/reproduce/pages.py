@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +23,7 @@ from reproduce.engines import (
     stored,
     tolerance,
 )
+from reproduce.markdown import fill, table
 from reproduce.responses import (
     COARSE,
     FORMULATIONS,
@@ -41,21 +42,6 @@ _SCENES = {
     "fig13_elcentro_squat_wall": "El Centro, tan alpha = 1/2",
 }
 _RANGES = ((0.0, 0.6), (0.6, 1.5), (1.5, 3.0))
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Write a table in Markdown."""
-    lines = [heads, ["---"] * len(heads), *rows]
-    cells = ([cell.replace("|", r"\|") for cell in line] for line in lines)
-    return "\n".join(f"| {' | '.join(line)} |" for line in cells)
-
-
-def _fill(name: str, **parts: str) -> str:
-    """Read the text of a page and put parts in the place of its comments."""
-    text = Path(__file__).with_name(name).read_text(encoding="utf-8")
-    for word, part in parts.items():
-        text = text.replace(f"<!-- {word} -->", part)
-    return text
 
 
 def claims_page(of: Responses) -> str:
@@ -78,10 +64,10 @@ def claims_page(of: Responses) -> str:
             raise ValueError(f"claims that begin with {beginnings}: found {found}")
         return _listed(found)
 
-    return _fill(
-        "claims.md",
-        count=_table(("verdict", published, exact), counts),
-        claims=_table(heads, rows),
+    return fill(
+        Path(__file__).with_name("claims.md"),
+        count=table(("verdict", published, exact), counts),
+        claims=table(heads, rows),
         benefit=_benefit_table(of),
         **{f"of_{n}": _listed(row[0] for row in rows if _shows(row[1], n)) for n in range(4, 14)},
         fig04=numbers("Displacement agrees", "Eq. (15) is a global"),
@@ -115,13 +101,13 @@ def _benefit_table(of: Responses) -> str:
                 cells = [f"{x.mean():.2f} ({x.min():.2f} to {x.max():.2f})" for x in parts]
                 rows.append((scene, form.label, f"{gamma:g}", *cells))
     heads = ("motion and wall", "form", "gamma", *(f"T_s {a:g} to {b:g} s" for a, b in _RANGES))
-    return _table(heads, rows)
+    return table(heads, rows)
 
 
 def validation_page(of: Responses) -> str:
     """Write the page on the validation against engines."""
-    return _fill(
-        "validation.md",
+    return fill(
+        Path(__file__).with_name("validation.md"),
         tolerances=_tolerances_table(of),
         differences=_differences_table(of),
         restitution=_restitution_table(of),
@@ -145,7 +131,7 @@ def _tolerances_table(of: Responses) -> str:
                          f"{allowed.relative:.1%}", f"{allowed.u_s_rms:.1%}",
                          f"{1e3 * allowed.impact_time:g} ms"))  # fmt: skip
     heads = ("case", "engine", "duration", "peaks, theta rms", "u_s rms", "impact time")
-    return _table(heads, rows)
+    return table(heads, rows)
 
 
 def _differences_table(of: Responses) -> str:
@@ -167,7 +153,7 @@ def _differences_table(of: Responses) -> str:
         )
     heads = ("case", "engine", "variant", "theta rms", "u_s rms", "theta peak", "u_s peak",
              "impacts", "impact time", "within tolerance")  # fmt: skip
-    return _table(heads, rows)
+    return table(heads, rows)
 
 
 def _restitution_table(of: Responses) -> str:
@@ -182,7 +168,7 @@ def _restitution_table(of: Responses) -> str:
     names = [_engine_name(engine) for engine in RIGID]
     heads = ("case", *(f"e that fits {name} best" for name in names), "momentum balance",
              *(f"slip of the base, {name}" for name in names))  # fmt: skip
-    return _table(heads, rows)
+    return table(heads, rows)
 
 
 def _storeys_table(of: Responses) -> str:
@@ -200,7 +186,7 @@ def _storeys_table(of: Responses) -> str:
                 cells += [f"{found.peak[k]:.4%}", f"{found.history[k]:.4%}"]
             rows.append(cells)
     each = ("of OpenSees", "difference", "over time")
-    return _table(("case", "storey", "drift", *each, "acceleration", *each), rows)
+    return table(("case", "storey", "drift", *each, "acceleration", *each), rows)
 
 
 def _variants_table(of: Responses) -> str:
@@ -221,7 +207,7 @@ def _variants_table(of: Responses) -> str:
             rows.append(cells)
     heads = ("case", "with", "largest drift", "first storey's", "drifts differ by",
              "largest acceleration", "roof's", "accelerations differ by")  # fmt: skip
-    return _table(heads, rows)
+    return table(heads, rows)
 
 
 def _engines_table(of: Responses) -> str:
@@ -234,4 +220,4 @@ def _engines_table(of: Responses) -> str:
         facts = dict(history.facts)
         engine = str(facts.pop("engine"))
         rows.append((name, engine, ", ".join(f"{k} = {v}" for k, v in facts.items())))
-    return _table(("case", "engine", "parameters"), rows)
+    return table(("case", "engine", "parameters"), rows)

@@ -1,9 +1,8 @@
 """A folder of Fortran sources as the tests of the architecture see it: modules, arrows, sizes.
 
-An arrow is a `use`, inside any `#ifdef`. Where a macro names the module, the arrow goes to every
-module that the macro can mean: its `#define` in the same file, and the `-D` of the `meson.build`
-beside it. tools/join-sources.py names further copies of a file by a suffix: number of
-lanes, order or instruction set (`_l16`, `_o8`, `_v3`).
+An arrow is a `use`, inside any `#ifdef`; no macro names a module. tools/join-sources.py names
+further copies of a file by a suffix: number of lanes, order or instruction set (`_l16`, `_o8`,
+`_v3`).
 """
 
 from __future__ import annotations
@@ -70,7 +69,6 @@ class Source:
 
     path: Path  # from the root of the sources
     lines: list[str]
-    build_macros: dict[str, set[str]]  # definitions -D in the meson.build beside it
 
     @cached_property
     def code(self) -> dict[int, str]:
@@ -83,26 +81,13 @@ class Source:
         return _join(self.code)
 
     @cached_property
-    def macros(self) -> dict[str, set[str]]:
-        """Return the possible values of a macro; a definition in the file comes first."""
-        found = {name: set(values) for name, values in self.build_macros.items()}
-        for name, value in self._defined.items():
-            found.setdefault(name, set()).add(value)
-        return found
-
-    @cached_property
-    def _defined(self) -> dict[str, str]:
-        defines = [re.match(r"\s*#\s*define\s+(\w+)\s+(\w+)\s*$", line) for line in self.lines]
-        return {found[1]: found[2] for found in defines if found}
-
-    @cached_property
     def module(self) -> str:
         """Name of its module; that of the program where there is none."""
         for statement in self.statements:
             if found := _MODULE.match(statement.text) or re.match(
                 r"program\s+(\w+)", statement.text, re.IGNORECASE
             ):
-                return self._defined.get(found[1], found[1]).lower()
+                return found[1].lower()
         return ""
 
     @cached_property
@@ -111,22 +96,12 @@ class Source:
         return not any(_MODULE.match(part.text) for part in self.statements)
 
     @cached_property
-    def variants(self) -> set[str]:
-        """Names under which the file is compiled, `module` among them."""
-        names = {self.module}
-        for statement in self.statements:
-            if found := _MODULE.match(statement.text):
-                names |= {name.lower() for name in self.macros.get(found[1], {found[1]})}
-        return names
-
-    @cached_property
     def used(self) -> dict[str, int]:
         """Modules that it uses, with the line of the first `use`."""
         found: dict[str, int] = {}
         for statement in self.statements:
             if match := _USE.match(statement.text) or _SUBMODULE.match(statement.text):
-                for name in self.macros.get(match[1], {match[1]}):
-                    found.setdefault(LANES.sub("", name.lower()), statement.line)
+                found.setdefault(LANES.sub("", match[1].lower()), statement.line)
         return found
 
     @cached_property
@@ -184,57 +159,24 @@ class Tree:
 
     @cached_property
     def owners(self) -> dict[str, Source]:
-        """The file of a module, by every name under which it is compiled."""
-        return {name: source for source in self.sources for name in source.variants}
-
-    @cached_property
-    def arrows(self) -> dict[str, set[str]]:
-        """Modules that a module uses; a file that is compiled several times counts once."""
-        return {
-            source.module: {self.owners[name].module for name in source.used if name in self.owners}
-            - {source.module}
-            for source in self.sources
-        }
-
-    @cached_property
-    def cycle(self) -> list[str]:
-        """Modules that are in a circle or use one that is; empty where there is none."""
-        waiting = dict(self.arrows)
-        while ready := [name for name, used in waiting.items() if not used & waiting.keys()]:
-            for name in ready:
-                del waiting[name]
-        return sorted(waiting)
+        """The file of a module."""
+        return {source.module: source for source in self.sources}
 
 
 def read_tree(root: Path) -> Tree:
     """Read all Fortran sources below a folder, and the `use` lines of tables of modules."""
-    macros: dict[Path, dict[str, set[str]]] = {}
-    sources = []
-    for path in sorted(path for path in root.rglob("*") if path.suffix.lower() == ".f90"):
-        folder = path.parent
-        if folder not in macros:
-            build = folder / "meson.build"
-            macros[folder] = build_macros(build.read_text("utf-8")) if build.is_file() else {}
-        lines = path.read_text(encoding="utf-8").splitlines()
-        sources.append(Source(path.relative_to(root), lines, macros[folder]))
+    paths = sorted(path for path in root.rglob("*") if path.suffix.lower() == ".f90")
+    sources = [
+        Source(path.relative_to(root), path.read_text(encoding="utf-8").splitlines())
+        for path in paths
+    ]
     for path in sorted(root.rglob("*.table")):
         parts = path.relative_to(root).with_suffix("").parts
         name = "_".join(parts if parts[0] == "rwmf" else ("rwmf", *parts))
         uses = re.findall(r"^use (?:.*&\n)*.*", path.read_text(encoding="utf-8"), re.MULTILINE)
         lines = "\n".join([f"module {name}", *uses, f"end module {name}"]).splitlines()
-        sources.append(Source(path.relative_to(root).with_suffix(".f90"), lines, {}))
+        sources.append(Source(path.relative_to(root).with_suffix(".f90"), lines))
     return Tree(root, sources)
-
-
-def build_macros(text: str) -> dict[str, set[str]]:
-    """Find the definitions `-DNAME=value` of a meson.build, including loops over such names.
-
-    Only assignments of texts, lists and dictionaries are followed; whatever else stands there
-    defines no names of modules.
-    """
-    found: dict[str, set[str]] = {}
-    _follow(_build_statements(text), {}, found)
-    return found
 
 
 def build_lines(text: str) -> str:
@@ -242,72 +184,6 @@ def build_lines(text: str) -> str:
     return "\n".join(
         re.sub(r"#(?=[^']*(?:'[^']*'[^']*)*$).*", "", line) for line in text.split("\n")
     )
-
-
-class _Text(str):
-    """A text with the methods that it has in meson."""
-
-    def to_upper(self) -> _Text:
-        return _Text(self.upper())
-
-    def to_lower(self) -> _Text:
-        return _Text(self.lower())
-
-
-def _build_statements(text: str) -> list[str]:
-    """Statements of a meson.build; those in brackets joined."""
-    statements = [""]
-    for line in build_lines(text).split("\n"):
-        statements[-1] += line + " "
-        bare = re.sub(r"'[^']*'", "", statements[-1])
-        if all(bare.count(a) <= bare.count(b) for a, b in ("()", "[]", "{}")):
-            statements.append("")
-    return [statement.strip() for statement in statements if statement.strip()]
-
-
-def _follow(statements: list[str], values: dict[str, object], found: dict[str, set[str]]) -> None:
-    """Carry out statements as far as they are understood and note the definitions in them."""
-    position = 0
-    while position < len(statements):
-        statement = statements[position]
-        position += 1
-        if loop := re.match(r"foreach\s+([\w\s,]+):(.*)$", statement):
-            end = _end_of_loop(statements, position)
-            names = [name.strip() for name in loop[1].split(",")]
-            items = _evaluate(loop[2], values)
-            for item in items.items() if isinstance(items, dict) else items or ():
-                parts = item if isinstance(item, tuple) else (item,)
-                values.update(zip(names, map(_as_text, parts), strict=False))
-                _follow(statements[position:end], values, found)
-            position = end + 1
-        elif assignment := re.match(r"(\w+)\s*\+?=(?!=)(.*)$", statement):
-            value = _evaluate(assignment[2], values)
-            if "+=" not in statement.split("'")[0]:
-                values[assignment[1]] = _as_text(value)
-            for part in value if isinstance(value, list) else [value]:
-                if definition := re.match(r"-D(\w+)=(\w+)$", str(part)):
-                    found.setdefault(definition[1], set()).add(definition[2])
-
-
-def _end_of_loop(statements: list[str], position: int) -> int:
-    depth = 1
-    while depth:
-        depth += bool(re.match(r"foreach\b", statements[position]))
-        depth -= statements[position] == "endforeach"
-        position += 1
-    return position - 1
-
-
-def _as_text(value: object) -> object:
-    return _Text(value) if isinstance(value, str) else value
-
-
-def _evaluate(expression: str, values: dict[str, object]) -> object:
-    """Value of an expression, None where it is more than texts, lists and dictionaries."""
-    try:
-        return eval(expression.strip(), {"__builtins__": {}}, values)
-    except Exception:
-        return None
 
 
 def _strip(lines: list[str]) -> list[tuple[int, str]]:

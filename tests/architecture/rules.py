@@ -77,18 +77,12 @@ def top_folder(path: Path, order: Iterable[str]) -> str:
 
 
 def wrong_names(tree: Tree) -> list[str]:
-    """Modules that are not named by their path, and variants that do more than add a suffix."""
-    found = []
-    for source in tree.sources:
-        expected = _module_name(source.path)
-        if source.module != expected and not source.is_program:
-            found.append(f"{source.path}: contains {source.module}, not {expected}")
-        found += [
-            f"{source.path}: is compiled as {name}"
-            for name in sorted(source.variants)
-            if not re.match(rf"{source.module}(_\w+)?$", name)
-        ]
-    return found
+    """Modules that are not named by their path."""
+    return [
+        f"{source.path}: contains {source.module}, not {expected}"
+        for source in tree.sources
+        if source.module != (expected := _module_name(source.path)) and not source.is_program
+    ]
 
 
 def _module_name(path: Path) -> str:

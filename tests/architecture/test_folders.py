@@ -106,10 +106,6 @@ def test_few_modules_name_an_effect(tree: Tree, effect: str) -> None:
     assert len(found) <= NAMING_MODULES[effect]
 
 
-def test_no_circles(tree: Tree) -> None:
-    _none(tree.cycle)
-
-
 def test_only_two_folders_name_sundials(tree: Tree) -> None:
     _none(rules.foreign_sundials(tree))
 
@@ -162,6 +158,13 @@ def test_files_stay_readable(tree: Tree) -> None:
 
 def test_every_build_file_lists_the_sources_beside_it() -> None:
     _none(rules.build_lists(SRC))
+
+
+def test_every_fortran_test_is_built() -> None:
+    unit = ROOT / "tests" / "unit"
+    built = (unit / "meson.build").read_text(encoding="utf-8")
+    names = [path.stem.removeprefix("test_") for path in unit.rglob("test_*.f90")]
+    assert names and all(f"'{name}'" in built for name in names)
 
 
 def test_the_page_names_the_folders_in_their_order(order: list[str]) -> None:

@@ -10,43 +10,6 @@ import rwmf
 from hard_scenes import METHODS
 from scenes import block, coupled
 
-SCENE = """
-&wall b = {b}, h = {h} /
-&impact rule = 'constant', e = {e} /
-&motion kind = 'sine', a_max_g = {a}, T_p = {T_p}, cycles = {cycles}, t_0 = {t_0} /
-&initial theta_over_alpha = {theta} /
-&solver t_end = 6.0, method = '{method}', rtol = {rtol} /
-&output reactions = .true. /
-"""
-
-# the friction demand is largest at that end, and falls or rises with the ground until then
-SCENES = {
-    "short period": {"b": 0.434096, "h": 1.1843, "e": 0.340727, "a": 0.0384375, "T_p": 0.110792}
-    | {"cycles": 54, "t_0": 0.491406, "theta": 0.211838},
-    "low flight": {"b": 0.300075, "h": 1.00494, "e": 0.461446, "a": 0.0501863, "T_p": 0.726621}
-    | {"cycles": 8, "t_0": 0.231128, "theta": 0.0451829},
-    "long chatter": {"b": 1.62777, "h": 3.92915, "e": 0.540863, "a": 0.0808678, "T_p": 1.01567}
-    | {"cycles": 5, "t_0": 0.148129, "theta": 0.222721},
-}
-
-
-def demand(scene: str, method: str, rtol: float) -> float:
-    """Largest |H|/N of a run."""
-    text = SCENE.format(method=method, rtol=rtol, **SCENES[scene])
-    return float(rwmf.simulate(rwmf.Case.from_text(text))["friction_demand_max"])
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("scene", SCENES)
-def test_the_friction_at_the_end_of_chatter(scene: str, method: str) -> None:
-    """It is met to the tolerance; without the flights left out it errs by the root of it, 1e-5.
-
-    The errors of the multistep methods are larger themselves.
-    """
-    rtol = 1e-8 if method in ("adams", "bdf") else 1e-6
-    exact = demand(scene, "dop853", 1e-13)
-    assert demand(scene, method, rtol) == pytest.approx(exact, rel=1e-6)
-
 
 @pytest.mark.parametrize("method", ["dop853", "taylor"])
 def test_the_moment_of_floors_that_go_on(method: str, tmp_path: Path) -> None:

@@ -65,6 +65,17 @@ class Opened:
         """Field, list or box of a key."""
         return self.page.locator(f'[id="{name}"]')
 
+    def set(self, name: str, value: object) -> None:
+        """Type a value of a key."""
+        self.field(name).fill(str(value))
+        self.field(name).press("Enter")
+        self.settle()
+
+    def choose(self, name: str, value: str) -> None:
+        """Choose from the list with an identifier."""
+        self.page.select_option(f"#{name}", value)
+        self.settle()
+
     def slider(self, name: str) -> Locator:
         """Slider of a key."""
         return self.page.locator(f'[id="{name}:slider"]')

@@ -63,6 +63,22 @@ def read_table(path: Path) -> tuple[list[str], list[dict[str, str]]]:
 WEIGHT = 4 * 9.6 * 2.0 * 0.35 * 2500.0 * 9.81
 
 
+# of the retrofit, by a run and by statics
+LIMITS: dict[str, float | list[float]] = {
+    "storey_drift_max": 0.01,
+    "storeys_drift_max": [0.012, 0.012, 0.01, 0.01, 0.01, 0.008],
+    "floor_acceleration_max_g": 0.8,
+    "tendon_stress_max_Pa": 1.4e9,
+    "wall_shears_max_N": [1.5e6, 1.2e6, 1e6, 8e5, 6e5, 4e5],
+    "links_force_max_N": 5e5,
+    "fuse_stroke_max_m": 0.05,
+    "friction_demand_max": 0.5,
+    "contact_length_min_m": 0.3,
+    "toe_stress_max_Pa": 2.5e7,
+    "toe_strain_max": 0.003,
+}
+
+
 def retrofit(coupling: str, **groups: object) -> rwmf.Case:
     """Six storeys with a wall, tendon and fuses, by their dimensions.
 

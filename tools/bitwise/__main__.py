@@ -10,10 +10,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from bitwise import of_batch, of_hosts, of_python, of_studies
+from bitwise import of_batch, of_host, of_python, of_studies
 from bitwise.rows import Row, compute, digest_of
 from bitwise.scenes import REFERENCE
-from bitwise.tree import MissingPartError, Tree, compile_hosts
+from bitwise.tree import MissingPartError, Tree
 
 _DIGEST = REFERENCE / "bits.txt"
 
@@ -23,8 +23,8 @@ def main() -> int:
     options = _read_options()
     started = time.monotonic()
     try:
-        with tempfile.TemporaryDirectory() as hosts:
-            status = _run(options, Path(hosts))
+        with tempfile.TemporaryDirectory() as folder:
+            status = _run(options, Path(folder))
     except MissingPartError as error:
         print(f"bits: {error}", file=sys.stderr)
         status = 2
@@ -52,10 +52,10 @@ def _read_options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _run(options: argparse.Namespace, hosts: Path) -> int:
+def _run(options: argparse.Namespace, folder: Path) -> int:
     tree = Tree(options.root.resolve())
     _check_package(tree)
-    rows = [row for row in _every_row(tree, hosts) if _is_wanted(row, options)]
+    rows = [row for row in _every_row(tree, folder) if _is_wanted(row, options)]
     if not rows:
         print("bits: no row has such a key", file=sys.stderr)
         return 2
@@ -91,12 +91,12 @@ def _check_package(tree: Tree) -> None:
         raise MissingPartError(f"the package is {rwmf.__file__}, not that of {tree.root}")
 
 
-def _every_row(tree: Tree, hosts: Path) -> Iterator[Row]:
+def _every_row(tree: Tree, folder: Path) -> Iterator[Row]:
     """All rows, those that take longest first: the two processes end together."""
     yield from of_studies.rows()
     yield from of_python.rows()
     yield from of_batch.rows(tree)
-    yield from of_hosts.rows(compile_hosts(tree, hosts))
+    yield from of_host.rows(tree.compile_host(folder))
 
 
 def _is_wanted(row: Row, options: argparse.Namespace) -> bool:

@@ -1,4 +1,4 @@
-"""FORD's pages of the kernel: offline, and with every warning fatal.
+"""FORD's pages of the kernel: offline, with every warning and incomplete docstring fatal.
 
 FORD's templates load Bootstrap, MathJax and lunr from content delivery networks. Here they come
 from Debian's packages libjs-bootstrap5 and libjs-lunr; no comment has formulas for MathJax.
@@ -15,9 +15,11 @@ import sys
 from pathlib import Path
 
 import ford
+import ford.fortran_project
 import ford.sourceform
 
 from pages.blocks import text_of
+from pages.docstrings import faults_of
 
 ROOT = Path(__file__).resolve().parents[2]
 _LIBRARIES = Path("/usr/share/javascript")
@@ -34,7 +36,7 @@ _REMOTE = re.compile(
 
 
 def build(output: Path, work: Path, version: str) -> list[str]:
-    """Build the pages."""
+    """Build the pages; return warnings and missing items of docstrings."""
     shutil.rmtree(work, ignore_errors=True)
     (work / "media").mkdir(parents=True)
     for name, path in _MEDIA.items():
@@ -46,6 +48,14 @@ def build(output: Path, work: Path, version: str) -> list[str]:
         encoding="utf-8",
     )
     ford.sourceform.parse_type = _parse_type
+    faults: list[str] = []
+    correlate = ford.fortran_project.Project.correlate
+
+    def check(project: ford.fortran_project.Project) -> None:
+        faults.extend(faults_of(project))
+        correlate(project)
+
+    ford.fortran_project.Project.correlate = check
     printed = io.StringIO()
     ford.console.console.file = printed
     ford.console.console.width = 400
@@ -53,7 +63,7 @@ def build(output: Path, work: Path, version: str) -> list[str]:
     with contextlib.redirect_stdout(printed):
         ford.run()
     text = printed.getvalue()
-    return re.findall(r"^(?:Warning|Error).*(?:\n[ \t]+.*)*", text, re.MULTILINE)
+    return faults + re.findall(r"^(?:Warning|Error).*(?:\n[ \t]+.*)*", text, re.MULTILINE)
 
 
 def _make_templates(folder: Path) -> None:

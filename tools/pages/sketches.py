@@ -126,8 +126,8 @@ def ground(ax: Axes, left: float, right: float, y: float = 0.0) -> None:
         ax.plot([x - 0.1, x], [y - 0.1, y], color=GREY, lw=0.6, zorder=2)
 
 
-def wall(ax: Axes, pivot: Point, turn: float = 0.0, *, corner: float = B) -> Callable[..., Array]:
-    """Draw a wall that is turned about a corner of its base."""
+def turned(pivot: Point, turn: float, corner: float = B) -> Callable[..., Array]:
+    """Give the places of points of a wall that is turned about a corner of its base."""
 
     def place(x: Array | float, z: Array | float) -> Array:
         out = np.asarray(x) - corner
@@ -139,6 +139,12 @@ def wall(ax: Axes, pivot: Point, turn: float = 0.0, *, corner: float = B) -> Cal
             ]
         )
 
+    return place
+
+
+def wall(ax: Axes, pivot: Point, turn: float = 0.0, *, corner: float = B) -> Callable[..., Array]:
+    """Draw a wall that is turned about a corner of its base."""
+    place = turned(pivot, turn, corner)
     outline = place(np.array([-B, B, B, -B]), np.array([0, 0, 2 * H, 2 * H]))
     ax.fill(*outline, facecolor=tint(BLUE, 0.14), edgecolor=BLUE, lw=1.5, zorder=4)
     return place
@@ -562,16 +568,7 @@ def _draw_wall(ax: Axes) -> None:
     ground(ax, -2.2, 2.6)
     z = np.linspace(0.0, 2 * H, 80)
     bent = 0.75 * cantilever(0, z / (2 * H))
-
-    def place(x: Array, up: Array) -> Array:
-        out = x - B
-        return np.array(
-            [
-                B + out * np.cos(_TURN) + up * np.sin(_TURN),
-                -out * np.sin(_TURN) + up * np.cos(_TURN),
-            ]
-        )
-
+    place = turned((B, 0.0), _TURN)
     outline = np.hstack([place(bent - B, z), place(bent + B, z)[:, ::-1]])
     ax.fill(*outline, facecolor=tint(BLUE, 0.14), edgecolor=BLUE, lw=1.5, zorder=4)
     ax.plot(*place(0 * z, z), color=INK, lw=1.1, ls=(0, (5, 1.5)), zorder=6)
@@ -580,16 +577,15 @@ def _draw_wall(ax: Axes) -> None:
     start, end = place(0 * z, z)[:, at], place(bent, z)[:, at]
     arrow(ax, start, end, INK, 0.9, "<|-|>")
     label(ax, (end[0] + 0.42, end[1] - 0.02), "$w(z, t)$", color=RED)
-    top = place(np.array(0.0), np.array(2 * H))
+    top = place(0.0, 2 * H)
     label(ax, (top[0] - 0.1, top[1] + 0.25), "straight axis")
     ax.plot([B, B], [0.0, 2.3], color=GREY, lw=0.8, ls=":", zorder=6)
-    right = place(np.array(B), np.array(2.3))
+    right = place(B, 2.3)
     ax.plot([B, right[0]], [0.0, right[1]], color=GREY, lw=0.8, ls=":", zorder=6)
     arc(ax, (B, 0.0), 2.0, (0.0, _TURN))
     label(ax, (1.0, 1.75), r"$\theta$")
-    corners(ax, place(np.array(-B), np.array(0.0)), (B, 0.0))
-    base, top = place(np.array(-1.35), np.array(0.0)), place(np.array(-1.35), np.array(2 * H))
-    dimension(ax, base, top, "$2h$", (-0.3, 0.0))
+    corners(ax, place(-B, 0.0), (B, 0.0))
+    dimension(ax, place(-1.35, 0.0), place(-1.35, 2 * H), "$2h$", (-0.3, 0.0))
 
 
 def _draw_modes(ax: Axes) -> None:

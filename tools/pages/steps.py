@@ -56,7 +56,8 @@ def _run_parts() -> None:
     shutil.rmtree(blocks.INSTALLED, ignore_errors=True)
     if not SKETCHES.is_dir():
         (BUILD / "sketches.key").unlink(missing_ok=True)
-    kernel = _files("src", "docs/fortran.css", "tools/pages/fortran_pages.py", "tools/docs.lock")
+    pages = ("docs/fortran.css", "tools/pages/fortran_pages.py", "tools/pages/docstrings.py")
+    kernel = _files("src", *pages, "tools/docs.lock")
     drawing = _files("tools/pages/sketches.py", "driver/rwmf/figures/styles.py")
     copy = [*_files("tools/pages/explorer"), *_program()]
     write_copy = partial(explorer.write, SITE / "explorer")

@@ -9,6 +9,7 @@ import pytest
 import rwmf
 from bitwise.scenes import Scene, read_scenes
 from checkout import ROOT, Runner, run_python
+from refused import refusals
 
 BASE = """&wall
    h = 2.0
@@ -144,3 +145,56 @@ def test_exceptions_derive_from_the_builtin_ones() -> None:
     for kind in (rwmf.InputError, rwmf.NumericalError, rwmf.OutputError):
         assert issubclass(kind, rwmf.RwmfError)
         assert str(kind("what")) == "what"
+
+
+NUMBERS = {"1": 1.0, "-.64E-02": -0.0064, "1d3": 1e3, "5.": 5.0, "+3.5D+2": 350.0, "0.1": 0.1,
+           "1e-400": 0.0, "000": 0.0, "1e0005": 1e5, ".5e1": 5.0}  # fmt: skip
+NO_NUMBERS = ["", ".", "-", "1e", "1.0abc", "nan", "inf", "-Infinity", "1e999", "1..0", "1,2",
+              "3*1", "0x10", "e5", "1.5+3"]  # fmt: skip
+NO_COUNTS = ["", "-", "1.0", "2147483648", "99999999999", "1e3", "1 2"]
+
+
+def _pulse(keys: str) -> rwmf.Case:
+    text = "&frame T_s = 1, xi_s = 0 / &solver t_end = 1 / &motion T_p = 1"
+    return rwmf.Case.from_text(f"{text}, {keys} /")
+
+
+def test_numbers() -> None:
+    for word, number in NUMBERS.items():
+        assert _pulse(f"kind = 'type_c', v_p = {word}, n_pulses = +007").motion.v_p == number
+    assert _pulse("kind = 'type_c', v_p = 1, n_pulses = +007").motion.n_pulses == 7
+
+
+def test_forms_of_groups_and_lists() -> None:
+    """A mark of UTF-8, comments, capitals, repeated values, ends of lines, an empty group."""
+    text = "\ufeff! a comment\n&Wall H = 2, b=0.5 / &Spectrum GAMMA = 1.0, 2*5.0 ! one, two\r\n 10,"
+    text += " T_s=1/ &output\n&end &frame T_s=2 gamma=3 xi_s=0 / &impact e=0.9 / &solver t_end = 1/"
+    text += "&motion kind='none' / ! no"
+    case = rwmf.Case.from_text(text)
+    assert case.spectrum.gamma == (1.0, 5.0, 5.0, 10.0)
+    assert "output" in case.groups
+
+
+test_refused_texts = refusals(
+    rwmf.Case.from_text,
+    ("&wall h = 1\n&frame /", "line 1: the group &wall is not closed"),
+    ("&wall h = 'abc\n/", r"line 1: the string 'abc"),
+    ("&wall h = 1 / /", "'/' is outside"),
+    ("& /", "is outside"),
+    ("&motion kind = 'it''s / & !' /", "kind = 'it's / & !' (line 1)"),
+    *((f"&wall h = {value} /", "h has an empty value") for value in ("", "1,,2", "= 2")),
+    *((f"&wall h = {value} /", "repeated value") for value in ("3*", "0*1", "x*1")),
+    ("&wall h = 2000000000*1.0 /", "more than"),
+    ("&wall , /", "is found where a key"),
+    ("&wall h = 1\x07 /", "control character"),
+    (f"&a {'h=1 ' * 2000}/", "too many keys"),
+    ("&a / " * 2000, "too many groups"),
+    (f"&a h = '{18000 * chr(39)}' /", "is longer than"),
+)
+test_words_that_are_no_numbers = refusals(
+    lambda word: _pulse(f"kind = 'one_sine', v_p = {word}"), *((word, "v_p") for word in NO_NUMBERS)
+)
+test_words_that_are_no_counts = refusals(
+    lambda word: _pulse(f"kind = 'type_c', v_p = 1, n_pulses = {word}"),
+    *((word, "n_pulses") for word in NO_COUNTS),
+)

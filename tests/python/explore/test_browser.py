@@ -125,9 +125,7 @@ def test_every_slider_over_its_range(show: Open) -> None:
             opened.settle()
             if opened.problem:
                 refused[name] = opened.problem
-        opened.field(name).fill(before)
-        opened.field(name).press("Enter")
-        opened.settle()
+        opened.set(name, before)
         assert opened.problem == ""
     # the bounds of the periods must not cross: the kernel reports it
     assert set(refused) <= {"spectrum.T_s_min", "spectrum.T_s_max"}, refused
@@ -614,9 +612,7 @@ def test_a_run_lasts_as_long_as_its_record(show: Open) -> None:
         assert opened.page.locator("#ground canvas").is_visible()
     warnings = opened.page.locator("#warnings")
     assert "ground motion lasts" not in warnings.text_content()
-    opened.field("solver.t_end").fill("4")
-    opened.field("solver.t_end").press("Enter")
-    opened.settle()
+    opened.set("solver.t_end", "4")
     assert "the ground motion lasts until 7.98 s" in warnings.text_content()
 
 

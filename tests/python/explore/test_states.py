@@ -32,9 +32,7 @@ def _numbers(opened: Opened) -> dict[str, str]:
 
 def _set(opened: Opened, name: str, value: object) -> None:
     """Type a value and rest, so that it is one step of the history."""
-    opened.field(name).fill(str(value))
-    opened.field(name).press("Enter")
-    opened.settle()
+    opened.set(name, str(value))
     opened.page.wait_for_timeout(REST)
 
 
@@ -48,8 +46,7 @@ def _press(opened: Opened, name: str) -> None:
 def test_an_example_is_its_namelist(show: Open, preset: Preset) -> None:
     """The page computes the numbers of the shipped file, and shows the sentence."""
     opened = show()
-    opened.page.select_option("#preset", preset.name)
-    opened.settle()
+    opened.choose("preset", preset.name)
     assert opened.page.locator("#sentence").text_content() == preset.sentence
     case = case_of_preset(preset.name)
     text = opened.page.locator("#namelist").text_content()
@@ -118,12 +115,10 @@ def test_ten_steps_back_and_forth(show: Open) -> None:
 
 def test_a_link_opens_the_same_state_in_another_browser(show: Open, browser: Browser) -> None:
     opened = show()
-    opened.page.select_option("#preset", "six_storeys")
-    opened.settle()
+    opened.choose("preset", "six_storeys")
     opened.page.locator("#pin").click()
     _set(opened, "motion.a_max_g", 0.25)
-    opened.page.select_option("#quantity", "storey_drift_max")
-    opened.settle()
+    opened.choose("quantity", "storey_drift_max")
     opened.page.wait_for_timeout(REST)
     # a second program with an empty profile
     other = launch(browser.browser_type)
@@ -187,8 +182,7 @@ def test_a_pinned_state_stays(show: Open) -> None:
 
 def test_lists_of_storeys_have_sliders(show: Open) -> None:
     opened = show()
-    opened.page.select_option("#preset", "six_storeys")
-    opened.settle()
+    opened.choose("preset", "six_storeys")
     opened.open_all()
     before = opened.page.evaluate("explorer.scene.get('storeys.k')")
     third = opened.page.locator('[id="storeys.k:slider:3"]')
@@ -223,8 +217,7 @@ def test_six_storeys_show_the_numbers_of_the_run(show: Open) -> None:
     The key numbers have the words of `rwmf run`; a ratio gives way to its force in N.
     """
     opened = show()
-    opened.page.select_option("#preset", "six_storeys")
-    opened.settle()
+    opened.choose("preset", "six_storeys")
     headline = str(opened.page.locator("#numbers").text_content())
     case = case_of_preset("six_storeys")
     run = rwmf.simulate(case.replace(output={"reactions": True}), dt=0.01)
@@ -259,8 +252,7 @@ def test_six_storeys_show_the_numbers_of_the_run(show: Open) -> None:
     newtons = float(str(cell.get_attribute("data-exact")))
     assert float(str(cell.text_content())) == pytest.approx(1e-3 * newtons, rel=1e-4)
     assert " kN" in str(cell.locator("..").text_content())
-    opened.page.select_option("#quantity", "base_shear_max_N")
-    opened.settle()
+    opened.choose("quantity", "base_shear_max_N")
     assert opened.page.evaluate("explorer.pictures.spectrum.labels[1]").endswith("[kN]")
     marked = opened.page.evaluate("explorer.pictures.marker.value")
     assert marked == pytest.approx(1e-3 * float(opened.number("base_shear_max_N")))
@@ -268,8 +260,7 @@ def test_six_storeys_show_the_numbers_of_the_run(show: Open) -> None:
 
 def test_the_picture_stays_visible_on_a_phone(show: Open) -> None:
     opened = show(viewport=PHONE, has_touch=True)
-    opened.page.select_option("#preset", "six_storeys")
-    opened.settle()
+    opened.choose("preset", "six_storeys")
     opened.page.get_by_text("Sliders", exact=True).click()
     opened.open_all()
     opened.page.wait_for_timeout(200)

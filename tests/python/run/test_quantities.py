@@ -165,3 +165,19 @@ def test_numbers_of_storeys() -> None:
     row = quantities.find("floor_12_m")
     assert (row.name, row.meaning) == ("floor_12", "displacement of floor 12")
     assert quantities.find("storey_3_residual_drift").unit == "1"
+
+
+def test_every_ratio_to_a_weight_has_its_force() -> None:
+    """Each quantity in N names its ratio, and each ratio to a weight has a quantity in N."""
+    text = (ROOT / "src/rwmf/problem/quantity_rows.table").read_text(encoding="utf-8")
+    rows = re.findall(r"^([^#\s]\S*), (.*?) \|.*\n((?: .*\n)+)", text, re.MULTILINE)
+    assert [key for key, _, _ in rows] == list(QUANTITIES)[: len(rows)]
+    ratios = {key: re.findall(r"\bratio = ([\w{}]+)", body) for key, _, body in rows}
+    for key, unit, _ in rows:
+        assert len(ratios[key]) == (unit in ("N", "N m")), key
+        # the name in N of the first two is that of wall and frame together
+        if (place := re.search("_over_(m_w_g|weight|m_s_g)", key)) and key not in (
+            "base_shear_over_m_w_g",
+            "base_shear_max_over_m_w_g",
+        ):
+            assert ratios[f"{key[: place.start()]}_N{key[place.end() :]}"] == [key]

@@ -2,6 +2,7 @@
 
 import math
 import threading
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -66,7 +67,8 @@ def test_records_run_to_their_end(elcentro: Path, tmp_path: Path) -> None:
     np.testing.assert_array_equal(
         found["u_s_max"].sel(record="elcentro"), rwmf.spectrum(alone, T_s=PERIODS)["u_s_max"]
     )
-    assert all(len(text) == 8 for text in found["record_crc32"].values)
+    checksums = [f"{zlib.crc32(path.read_bytes()):08x}" for path in (elcentro, column)]
+    assert found["record_crc32"].values.tolist() == checksums
 
 
 def test_folder_of_at2_files(tmp_path: Path) -> None:

@@ -78,7 +78,7 @@ contains
 
       wrong = 0
       found = 0
-      call start_chance()
+      call random_init(repeatable=.true., image_distinct=.false.)
       do i = 1, polynomials
          call random_number(c)
          c = (2*c - 1)*[(1.5_wp**k/gamma(k + 1.0_wp), k=0, 8)]
@@ -104,7 +104,7 @@ contains
       integer :: i, k, wrong
 
       wrong = 0
-      call start_chance()
+      call random_init(repeatable=.true., image_distinct=.false.)
       do i = 1, polynomials
          call random_number(c)
          c = (2*c - 1)*[(3.0_wp**k/gamma(k + 1.0_wp), k=0, 8)]
@@ -136,15 +136,5 @@ contains
          c(0) = -roots(i)*c(0)
       end do
    end function product_of
-
-   !> Random numbers that are the same in every run.
-   subroutine start_chance()
-      integer, allocatable :: seed(:)
-      integer :: n
-
-      call random_seed(size=n)
-      allocate (seed(n), source=17)
-      call random_seed(put=seed)
-   end subroutine start_chance
 
 end program test_polynomial_roots

@@ -54,7 +54,7 @@ contains
       positive = 0
       without_change = 0
       quiet = 0
-      call start_chance()
+      call random_init(repeatable=.true., image_distinct=.false.)
       do i = 1, scenes
          call random_number(chance)
          angle = 0.2_wp + 1.3_wp*chance(1)
@@ -82,16 +82,6 @@ contains
       call checks%that(quiet > 3*scenes/2, 'most spans are decided at once')
       call checks%that(positive > 0.8_wp*without_change, 'the short test decides most of them')
    end subroutine check_vibrations
-
-   !> Random numbers that are the same in every run.
-   subroutine start_chance()
-      integer, allocatable :: seed(:)
-      integer :: n
-
-      call random_seed(size=n)
-      allocate (seed(n), source=32)
-      call random_seed(put=seed)
-   end subroutine start_chance
 
    !> A fast and a slow vibration about a level that both may touch, with two derivatives.
    pure function vibration(chance, angle, x) result(f)

@@ -18,10 +18,9 @@ contains
    subroutine check_digits()
       real(dp) :: u(3), x
       integer(i8) :: bits
-      integer :: i, kind_number, seed_size
+      integer :: i, kind_number
 
-      call random_seed(size=seed_size)
-      call random_seed(put=[(i, i=1, seed_size)])
+      call random_init(repeatable=.true., image_distinct=.false.)
       do i = 1, many
          call random_number(u)
          kind_number = mod(i, 5)
