@@ -106,11 +106,11 @@ class Case(Groups):
         folder = (Path(source).parent if source else Path()).absolute()
         if origin is not None and (source or origin._record_files()):
             folder = origin._folder
-        self._put(source, folder, origin is not None, text, motions)
+        edited = origin is not None
+        self._put(source=source, folder=folder, edited=edited, text=text, motions=motions)
         known = None if origin is None else origin._kernel
         samples = {group: motion.samples for group, motion in motions.items()}
-        read = kernel_case.read_case(text, self.kernel_source(), known, samples)
-        super().__setattr__("_kernel", read)
+        self._put(kernel=kernel_case.read_case(text, self.kernel_source(), known, samples))
 
     def _assemble_entries(
         self, entries: Mapping[str, Mapping[str, object]], source: str | None, origin: Case | None
@@ -122,22 +122,10 @@ class Case(Groups):
             raise InputError(without_lines(str(error))) from None
         self._kernel.has_lines = False
 
-    def _put(
-        self,
-        source: str | None,
-        folder: Path,
-        edited: bool,
-        text: str | None,
-        motions: dict[str, Motion],
-    ) -> None:
-        """Set all fields but the kernel's case; groups are made at first use."""
-        put = super().__setattr__
-        put("_source", source)
-        put("_folder", folder)
-        put("_edited", edited)
-        put("_text", text)
-        put("_motions", motions)
-        put("_kept_groups", None)
+    def _put(self, **fields: object) -> None:
+        """Set fields; groups are made at first use."""
+        for name, value in {"kept_groups": None, **fields}.items():
+            super().__setattr__(f"_{name}", value)
 
     @classmethod
     def _make(
@@ -158,9 +146,9 @@ class Case(Groups):
             # only the parser gives messages with line numbers, and only it adds a new group
             return None
         case = type(self).__new__(type(self))
-        case._put(self._source, self._folder, True, None, self._motions)
-        kernel = self._kernel.changed(found, numbers, case.label)
-        object.__setattr__(case, "_kernel", kernel)
+        origin = {"source": self._source, "folder": self._folder, "motions": self._motions}
+        case._put(edited=True, text=None, **origin)
+        case._put(kernel=self._kernel.changed(found, numbers, case.label))
         return case
 
     @property

@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int | list[str | Path | None]:
         return run_many.run(options)
     (options.case,) = options.case
     case = Case.from_namelist(options.case)
-    names = tables.result_names(options.case) if options.out else ()
+    names = results.result_names(options.case) if options.out else ()
     found = [Path(options.out, name) for name in names]
     outputs = [options.plot, options.loops, *(options.checks or ()), *found]
     files.check_outputs(outputs, case.inputs)

@@ -35,7 +35,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from rwmf.case import Case
 from rwmf.case.arguments import case_of, checked
-from rwmf.errors import InputError, OutputError, RwmfError
+from rwmf.errors import OutputError, RwmfError
 from rwmf.explorer.model import as_files, encode, start
 from rwmf.explorer.questions import FIRST, BadQuestionError, case_of_preset, read
 from rwmf.explorer.workers import BrokenError, BusyError, Workers
@@ -589,8 +589,7 @@ def explore(
     OutputError
         When the port cannot be used.
     """
-    if not 0 <= port <= 65535:
-        raise InputError(f"port = {port}: must be in [0, 65535]")
+
     case = case_of_preset(FIRST.name) if case is None else case_of(case)
     if in_notebook():
         return NotebookPage(PageServer(case, port, in_frame=True))

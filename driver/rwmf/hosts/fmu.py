@@ -168,7 +168,7 @@ def _outputs(case: Case) -> list[Variable]:
 def _parameters(case: Case) -> list[Variable]:
     """List the numbers of the case, given or by default."""
     found = []
-    rows = {(row.group, row.key): row for row in tables.schema()}
+    rows = tables.rows_of_keys()
     for group, values in case.groups.items():
         if group in _NO_PARAMETER_GROUPS:
             continue

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import importlib.metadata
-import importlib.util
+
 import os
 import re
 import stat
@@ -25,7 +25,7 @@ from rwmf.case.arguments import checked
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, placed, warn
 from rwmf.kernel import files, tables
-from rwmf.kernel.names import how_to_install, needed, problem_of_name, shorten
+from rwmf.kernel.names import folder_of_package, needed, problem_of_name, shorten
 from rwmf.kernel.numbers import show, to_number
 from rwmf.kernel.tables import read_record_header
 from rwmf.motion import formats
@@ -442,19 +442,8 @@ def export_fema(word: str) -> list[tuple[Path, float]]:
         raise InputError(
             f"records: fema:{word}: allowed are {allowed}, with :normalized behind them or not"
         )
-    source = _find_package(word)
+    source = folder_of_package(_FEMA_MODULE, f"records: fema:{word}", _FEMA_PACKAGE, "suites")
     return [item for one in names for item in _export_set(source, one, variant)]
-
-
-def _find_package(word: str) -> Path:
-    # locate the package without importing it, which needs pandas and PyTables
-    spec = importlib.util.find_spec(_FEMA_MODULE)
-    if spec is None or not spec.submodule_search_locations:
-        raise InputError(
-            f"records: fema:{word} comes with the Python package {_FEMA_PACKAGE}, which is not "
-            f"installed: {how_to_install('suites')}"
-        )
-    return Path(spec.submodule_search_locations[0])
 
 
 def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float]]:

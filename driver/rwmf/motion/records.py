@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
+
 import os
 import zlib
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from rwmf.case import Motion
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError, OutputError, did_you_mean
 from rwmf.kernel import files, tables
-from rwmf.kernel.names import how_to_install
+from rwmf.kernel.names import folder_of_package, how_to_install
 from rwmf.kernel.numbers import Array, show, to_array, to_number, to_whole
 from rwmf.kernel.tables import unusual_record
 from rwmf.motion.formats import Channel
@@ -201,14 +201,7 @@ def find(name: str) -> tuple[Record, Path]:
         hint = did_you_mean(name, RECORDS) if isinstance(name, str) else ""
         raise InputError(f"record {show(name)} is not known{hint}; known are {', '.join(RECORDS)}")
     record = RECORDS[name]
-    # locate the package without importing it, which takes a second
-    spec = importlib.util.find_spec(_PACKAGE)
-    if spec is None or not spec.submodule_search_locations:
-        raise InputError(
-            f"record {name!r} comes with the Python package {_PACKAGE}, which is not installed: "
-            f"{how_to_install('records')}"
-        )
-    path = Path(spec.submodule_search_locations[0], record.file)
+    path = folder_of_package(_PACKAGE, f"record {name!r}", _PACKAGE, "records") / record.file
     if not path.is_file():
         raise InputError(
             f"{_PACKAGE} {importlib.metadata.version(_PACKAGE)} does not contain {record.file}: "

@@ -210,7 +210,7 @@ def column_coordinate(
     elif column in AXES:
         unit, meaning = AXES[column].unit, AXES[column].meaning
     else:
-        row = _table()[key_of_column(column)]
+        row = tables.rows_of_keys()[key_of_column(column)]
         unit, meaning = row.unit.replace("-", "1"), row.meaning
     if isinstance(values, np.ndarray):
         return Coordinate(name, dimension, values, unit, meaning, column)
@@ -277,7 +277,7 @@ def kind_of(name: str) -> str:
     if name == SCALE or name in PAIRS:
         return "real"
     # a value of an axis is one number for all elements of a group
-    return _table()[key_of_column(name)].kind.removesuffix("s")
+    return tables.rows_of_keys()[key_of_column(name)].kind.removesuffix("s")
 
 
 def is_number(name: str) -> bool:
@@ -377,18 +377,13 @@ SETTINGS = {
 _NEEDS_GROUP = ("base", "base_section", "bending")
 
 
-@functools.cache
-def _table() -> dict[Key, tables.KeyRow]:
-    """Return the rows of the kernel's table of keys."""
-    return {(row.group, row.key): row for row in tables.schema()}
-
-
 def _find_key(name: str, label: str) -> Key:
     """Return group and key of a name, in canonical form."""
     group, _, key = name.rpartition(".")
+    rows = tables.rows_of_keys()
     matches = [
         known
-        for known in _table()
+        for known in rows
         if known[1].lower() == key.lower()
         and (known[0] == group.lower() if group else known[0] != "spectrum")
     ]
@@ -399,9 +394,8 @@ def _find_key(name: str, label: str) -> Key:
     if matches:
         names = ", ".join(".".join(found) for found in matches)
         raise InputError(f"{label}: {name}: in several groups; write one of {names}")
-    known = _table()
-    keys = (key for _, key in known)
-    hint = did_you_mean(name, ["scale", *PAIRS, *keys, *map(".".join, known)])
+    keys = (key for _, key in rows)
+    hint = did_you_mean(name, ["scale", *PAIRS, *keys, *map(".".join, rows)])
     hint = f"{hint} Allowed" if hint else "; allowed"
     raise InputError(
         f"{label}: {name}: no key of a case{hint} are {', '.join(('scale', *PAIRS))} and the keys "

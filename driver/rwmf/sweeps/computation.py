@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Self, TypedDict
+from typing import BinaryIO, TypedDict
 
 import numpy as np
 import xarray as xr
@@ -30,6 +30,7 @@ from rwmf.case.namelist import read_text
 from rwmf.errors import InputError, Interrupted, OutputError
 from rwmf.kernel import files
 from rwmf.kernel.files import path_of
+from rwmf.kernel.marshalling import Closing
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import ORDINATES
@@ -45,7 +46,7 @@ _HEAD = struct.Struct("<QQI")
 _LAYOUT = 2**64 - 1
 
 
-class ChunkStore:
+class ChunkStore(Closing):
     """Finished chunks of a sweep."""
 
     def __init__(self, path: Path, layout: Layout, *, restart: bool = False) -> None:
@@ -124,14 +125,6 @@ class ChunkStore:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
-
-    def __enter__(self) -> Self:
-        """Return the store itself."""
-        return self
-
-    def __exit__(self, *unused: object) -> None:
-        """Close the file."""
-        self.close()
 
 
 def read_layout(path: Path) -> Layout:
@@ -533,12 +526,12 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
     if not parts:
         raise InputError("parts: the list is empty")
     layout = read_layout(Path(parts[0]))
-    stores: list[ChunkStore] = []
-    try:
+    with contextlib.ExitStack() as stack:
+        stores = []
         for name in parts:
             if not Path(name).is_file():
                 raise InputError(f"{name}: the file does not exist")
-            stores.append(ChunkStore(Path(name), layout))
+            stores.append(stack.enter_context(ChunkStore(Path(name), layout)))
         owner = {n: item for item in stores for n in range(layout.n_chunks) if n in item}
         if len(owner) < layout.n_chunks:
             missing = layout.n_chunks - len(owner)
@@ -547,9 +540,6 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
                 "missing or has not finished"
             )
         netcdf.write(layout, lambda number: owner[number].get(number), Path(file))
-    finally:
-        for item in stores:
-            item.close()
     return open_result(Path(file))
 
 
