@@ -455,8 +455,7 @@ def _descend(
         near = neighbours(x)
         both = runs.utilisations(np.array([item for pair in near for item in pair[:2]]))
         steps = np.array([step for *_, step in near])
-        found: Array = -((both[::2] - both[1::2]) / steps[:, None]).T
-        return found
+        return np.asarray(-((both[::2] - both[1::2]) / steps[:, None]).T)
 
     minimize(
         lambda x: cost(design(x)) / size,

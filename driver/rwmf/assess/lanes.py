@@ -406,7 +406,7 @@ class Scenes:
                     else [item.values[k] for k in axis.scene_of.tolist()]
                 ),
                 dims=item.dimension,
-                attrs=({"units": item.unit} if item.unit else {}) | {"long_name": item.meaning},
+                attrs=item.attributes,
             )
             for axis in self._axes
             for item in axis.coordinates
@@ -566,8 +566,7 @@ class SuiteStatistic:
     def first(self, values: Array) -> Array:
         """Return the values of the first record."""
         known = self._records_first(values)
-        found: Array = known[(0,) * len(self._axes)]
-        return found
+        return np.asarray(known[(0,) * len(self._axes)])
 
     def of_resampled(self, values: Array) -> Iterator[Array]:
         """Compute the statistic of suites drawn with replacement."""
@@ -751,8 +750,7 @@ class Steps:
         """Return the largest of value and p dq/dp over the parameters."""
         slopes = np.where(np.isfinite(self.derivative), abs(self.derivative), 0.0)
         value = np.where(np.isfinite(self.value), abs(self.value), 0.0)
-        largest: Array = np.maximum(value, slopes.max(axis=1))
-        return largest
+        return np.asarray(np.maximum(value, slopes.max(axis=1)))
 
     def _estimate(
         self, offsets: Array, values: Array, centre: Array, factor: float, rtol: float

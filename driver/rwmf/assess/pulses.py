@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
@@ -190,9 +191,7 @@ def overturning_map(
     if list(amplitude) != sorted(set(amplitude)):
         raise InputError("overturning: the amplitudes must increase")
 
-    def follow(omega: float) -> tuple[list[int], list[_Boundary]]:
-        return _scan(pulse, wall, omega, amplitude, tolerance)
-
+    follow = partial(_scan, pulse, wall, amplitude, tolerance)
     scans = _in_threads(follow, omega_over_p, threads, progress, "scan")
     outcomes = [outcome for outcome, _ in scans]
     boundaries = [item for _, found in scans for item in found]
@@ -209,13 +208,10 @@ def _factor(pulse: Pulse, wall: Wall) -> dict[str, tuple[tuple[()], float, dict[
 
 
 def _scan(
-    pulse: Pulse, wall: Wall, omega: float, levels: Sequence[float], tolerance: float
+    pulse: Pulse, wall: Wall, levels: Sequence[float], tolerance: float, omega: float
 ) -> tuple[list[int], list[_Boundary]]:
     """Compute the outcomes at one frequency, and the boundaries between them."""
-
-    def outcome_at(amplitude: float) -> int:
-        return _outcome(pulse, wall, omega, amplitude)
-
+    outcome_at = partial(_outcome, pulse, wall, omega)
     outcomes = [outcome_at(level) for level in levels]
     found: list[_Boundary] = []
     for i in range(len(levels) - 1):

@@ -15,7 +15,7 @@ from rwmf.case.group import Group
 from rwmf.case.groups import TYPES, Groups
 from rwmf.case.motion import Motion
 from rwmf.case.namelist import compose, numbers_of, read_text
-from rwmf.errors import InputError, did_you_mean, without_lines
+from rwmf.errors import InputError, did_you_mean, no_line_numbers
 from rwmf.kernel import files, kernel_case, tables
 from rwmf.kernel.files import path_of
 from rwmf.kernel.numbers import Array, show, to_array, to_items
@@ -116,10 +116,8 @@ class Case(Groups):
         self, entries: Mapping[str, Mapping[str, object]], source: str | None, origin: Case | None
     ) -> None:
         """Have the kernel read composed text, without line numbers in messages."""
-        try:
+        with no_line_numbers():
             self._assemble(compose(entries), source, origin, _motions_of(entries))
-        except InputError as error:
-            raise InputError(without_lines(str(error))) from None
         self._kernel.has_lines = False
 
     def _put(self, **fields: object) -> None:
@@ -534,11 +532,9 @@ def kernel_for_host(
     if not isinstance(case, Mapping):
         source = path_of("case", case, _NAMELIST)
         return kernel_case.read_case(read_text(source), source, is_for_host=True), source
-    try:
+    with no_line_numbers():
         text = compose(_checked_entries(case))
         return kernel_case.read_case(text, "", is_for_host=True), ""
-    except InputError as error:
-        raise InputError(without_lines(str(error))) from None
 
 
 def _checked_entries(
@@ -595,18 +591,14 @@ def _check_groups(
             if not isinstance(key, str):
                 raise InputError(f"&{name.lower()}: {show(key)}: the name of a key is a text")
             if key.lower() not in known:
-                hint = did_you_mean(key, known.values()) or _other_group(key)
+                owners = [x for x, own in tables.rows_of_keys() if own.lower() == key.lower()]
+                others = f", did you mean {key} of &{' or &'.join(owners)}?" if owners else ""
+                hint = did_you_mean(key, known.values()) or others
                 hint = f"{hint} Allowed" if hint else "; allowed"
                 raise InputError(
                     f"&{name.lower()}: {show(key)[1:-1]}: unknown key{hint} are "
                     f"{', '.join(known.values())}"
                 )
-
-
-def _other_group(key: str) -> str:
-    """Suggest the groups that have a key."""
-    owners = [group for group, name, *_ in tables.schema() if name.lower() == key.lower()]
-    return f", did you mean {key} of &{' or &'.join(owners)}?" if owners else ""
 
 
 def _check_group(name: str) -> None:

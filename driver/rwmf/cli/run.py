@@ -34,7 +34,7 @@ _LOOP_POINTS = 40000
 
 def run(options: argparse.Namespace) -> int | list[str | Path | None]:
     """Simulate one case, or several into a table (``rwmf run``)."""
-    if run_many.is_wanted(options):
+    if len(options.case) > 1 or Path(options.out or "").suffix in run_many.TABLES:
         return run_many.run(options)
     (options.case,) = options.case
     case = Case.from_namelist(options.case)

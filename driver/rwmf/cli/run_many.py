@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import io
 import json
 import sys
 from pathlib import Path
@@ -29,11 +28,6 @@ TABLES = (".csv", ".nc", ".jsonl")
 _SUMMARY = ".summary.csv"
 # exit status when a case has failed
 _FAILED = 1
-
-
-def is_wanted(options: argparse.Namespace) -> bool:
-    """Check whether the words ask for a table of runs."""
-    return len(options.case) > 1 or Path(options.out or "").suffix in TABLES
 
 
 def run(options: argparse.Namespace) -> int:
@@ -121,11 +115,8 @@ def _write(rows: list[Row], path: Path) -> None:
         return
     keys = list(dict.fromkeys(key for row in rows for key in row))
     if path.suffix == ".csv":
-        stream = io.StringIO()
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(keys)
-        writer.writerows([_cell(row.get(key, "")) for key in keys] for row in rows)
-        files.write_bytes(path, stream.getvalue().encode())
+        cells = ([_cell(row.get(key, "")) for key in keys] for row in rows)
+        files.write_bytes(path, files.csv_text([keys, *cells]).encode())
         return
     # imported here: other tables do not need it
     import xarray as xr

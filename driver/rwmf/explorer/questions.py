@@ -147,15 +147,12 @@ def case_of(question: Question, base: Case) -> Case:
         new |= {key: value for key, value in keys.items() if key not in old or old[key] != value}
         # the page must not set the name of a record's file, but may omit it
         has_file = name in base.groups and bool(base.groups[name].get("file"))
-        if has_file and not _has_record(name, keys):
+        names_file = keys.get("kind") == "record" if name == "motion" else "ratio" not in keys
+        if has_file and not names_file:
             new["file"] = None
         if new or name not in before:
             changes[name] = new
     return base.replace(**changes) if changes else base
-
-
-def _has_record(name: str, keys: Mapping[str, object]) -> bool:
-    return keys.get("kind") == "record" if name == "motion" else "ratio" not in keys
 
 
 _FOLDER = Path(__file__).parent / "presets"

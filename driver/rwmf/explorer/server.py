@@ -589,7 +589,6 @@ def explore(
     OutputError
         When the port cannot be used.
     """
-
     case = case_of_preset(FIRST.name) if case is None else case_of(case)
     if in_notebook():
         return NotebookPage(PageServer(case, port, in_frame=True))

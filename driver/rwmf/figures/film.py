@@ -18,7 +18,8 @@ from rwmf.figures import levels
 from rwmf.figures.histories import members
 from rwmf.figures.styles import COLOURS, GREY, INK, PALE, new_figure
 from rwmf.kernel import files
-from rwmf.kernel.numbers import Array, Truths
+from rwmf.kernel.numbers import Array, Truths, grouped
+from rwmf.run.quantities import ENDINGS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -158,8 +159,7 @@ _VISIBLE = 0.12
 _FACE = np.linspace(0.0, 1.0, 41)
 # duration of the mark of an impact [s]
 _FLASH = 0.12
-# events that end the motion, and the duration of the last picture [s]
-_FALLEN = ("overturned", "collapsed")
+# duration of the last picture of a motion that has ended early [s]
 _LAST = 1.0
 
 
@@ -325,8 +325,7 @@ def _deflections(case: Case, dataset: xr.Dataset, share: Array) -> Array:
         return np.zeros((share.size, dataset.sizes["time"]))
     numbers = range(1, case.bending.modes + 1)
     modes = np.array([dataset[f"q_{i}"].values for i in numbers])
-    found: Array = levels.mode_shapes(case, share) @ modes
-    return found
+    return np.asarray(levels.mode_shapes(case, share) @ modes)
 
 
 def _drawn_sway(case: Case, dataset: xr.Dataset, building: Building, scale: Scale) -> Array:
@@ -374,8 +373,7 @@ def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
     sine, cosine = np.sin(theta), np.cos(theta)
     turn = np.array([[cosine, sine], [-sine, cosine]])
     upright = np.array([[-b, 0.0], [b, 0.0], [b, 2 * h], [-b, 2 * h]])
-    turned: Array = pivot + (upright - pivot) @ turn.T
-    return turned
+    return np.asarray(pivot + (upright - pivot) @ turn.T)
 
 
 def ground_displacement(t: Array, acceleration: Array) -> Array:
@@ -383,8 +381,7 @@ def ground_displacement(t: Array, acceleration: Array) -> Array:
     velocity = _integrate(t, acceleration)
     displacement = _integrate(t, velocity)
     duration = max(t[-1] - t[0], np.finfo(float).tiny)
-    level: Array = displacement - displacement[-1] * (t - t[0]) / duration
-    return level
+    return np.asarray(displacement - displacement[-1] * (t - t[0]) / duration)
 
 
 def _integrate(t: Array, rate: Array) -> Array:
@@ -397,7 +394,7 @@ def _end_of(dataset: xr.Dataset) -> str:
     t = dataset["time"].values
     next_sample = 2 * t[-1] - t[max(t.size - 2, 0)]
     ends = dataset["event"].values[dataset["event_time"].values <= next_sample]
-    return str(ends[-1]) if ends.size and ends[-1] in _FALLEN else ""
+    return str(ends[-1]) if ends.size and ends[-1] in ENDINGS else ""
 
 
 def _stage(
@@ -454,8 +451,7 @@ def _feet(case: Case, building: Building) -> Array:
     """Return the positions of both columns [m]: left of the wall, or in the middle."""
     if case.wall is None:
         return float(building.levels[-1]) * np.array([-0.3, 0.3])
-    feet: Array = levels.outermost(case)[0] - case.wall.h * np.array([2.0, 1.0])
-    return feet
+    return np.asarray(levels.outermost(case)[0] - case.wall.h * np.array([2.0, 1.0]))
 
 
 def _frame_scene(ax: Axes, case: Case, building: Building | None, moves: Array) -> None:
@@ -486,7 +482,7 @@ def _wall(
     h, b, is_pinned = case.wall.h, case.wall.b, case.wall.base == "pinned"
     share = _FACE if case.bending is not None else _FACE[[0, -1]]
     bent = scale.deflection * _deflections(case, dataset, share)
-    axes, rods = levels.axes_of(case), _by_kind(levels.lines_of(case))
+    axes, rods = levels.axes_of(case), grouped(levels.lines_of(case), lambda line: line.kind)
     walls = [ax.fill([0], [0], facecolor=PALE, edgecolor=INK, zorder=3)[0] for _ in axes]
     drawn = {
         kind: ax.plot(
@@ -521,8 +517,7 @@ def _wall(
             if number < 0:
                 return np.array([ground[i] + x, z])
             across, along = (box[1] - box[0]) / (2 * b), (box[3] - box[0]) / (2 * h)
-            point: Array = box[0] + np.array([axes[number], 0.0]) + (x + b) * across + z * along
-            return point
+            return np.asarray(box[0] + np.array([axes[number], 0.0]) + (x + b) * across + z * along)
 
         for kind, line in drawn.items():
             # the tendon follows a wall that bends
@@ -571,11 +566,3 @@ def _pressure(
         return "in the air" if share == 0.0 else f"{share:.0%} of the base in contact"
 
     return move
-
-
-def _by_kind(lines: list[levels.Line]) -> dict[str, list[levels.Line]]:
-    """Sort lines by their kind."""
-    found: dict[str, list[levels.Line]] = {}
-    for line in lines:
-        found.setdefault(line.kind, []).append(line)
-    return found

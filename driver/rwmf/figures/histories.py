@@ -16,7 +16,7 @@ from rwmf.errors import InputError
 from rwmf.figures import styles
 from rwmf.figures.levels import draw_levels, levels_of_frame, levels_of_storeys
 from rwmf.run.arguments import dataset_of
-from rwmf.run.quantities import AXES, QUANTITIES
+from rwmf.run.quantities import AXES, ENDINGS, QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,9 +59,7 @@ _NUMBERED = {item.over_levels.name: item.name for item in QUANTITIES.values()
 # lines per column of a legend as high as its panel
 _ROWS = 6
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
-# statuses of motions that ended early
 _ROTATION = "theta_max_over_alpha"
-_FALLEN = ("overturned", "collapsed")
 
 
 @checked
@@ -160,7 +158,7 @@ def _mark_end(panels: np.ndarray, dataset: xr.Dataset) -> None:
     """Mark the overturning or collapse that ends the motion."""
     if "event_time" not in dataset.coords:
         return
-    ends = np.flatnonzero(np.isin(dataset["event"].values, _FALLEN))
+    ends = np.flatnonzero(np.isin(dataset["event"].values, ENDINGS))
     for k in ends[-1:]:
         t, kind = float(dataset["event_time"][k]), str(dataset["event"].values[k])
         for ax in panels:
@@ -238,11 +236,14 @@ def spectrum(
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
         line_style = {**styles.series(i, len(curves)), "label": label or None} | line
-        status = _names_of_status(curve["status"])
-        has_fallen = np.isin(status, _FALLEN)
+        status = curve["status"].values
+        # those of a sweep are numbers
+        if names_of_status := str(curve["status"].attrs.get("flag_meanings", "")).split():
+            status = np.array(names_of_status)[status]
+        has_fallen = np.isin(status, ENDINGS)
         periods, values = curve["T_s"].values, curve[quantity].values
         # the rotation of an overturned wall is meaningless: crosses at the upper edge
-        on_side = (status == _FALLEN[0]) & (quantity == _ROTATION)
+        on_side = (status == ENDINGS[0]) & (quantity == _ROTATION)
         (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **line_style)
         cross: dict[str, Any] = {
             "color": drawn.get_color(),
@@ -266,12 +267,6 @@ def spectrum(
     if legend and (len(curves) > 1 or bare is not None):
         styles.legend_beside(axes, _legend_title(dataset))
     return axes
-
-
-def _names_of_status(status: xr.DataArray) -> np.ndarray:
-    """Return the names of statuses; those of a sweep are numbers."""
-    names = np.array(str(status.attrs.get("flag_meanings", "")).split())
-    return names[status.values] if names.size else status.values
 
 
 def _curves(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:

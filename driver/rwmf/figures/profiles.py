@@ -54,7 +54,8 @@ def envelope_quantities(case: CaseLike) -> list[str]:
         the case has a mass.
     """
     case = case_of(case)
-    unit = "" if _has_mass(case) else "_over_m_w_g"
+    has_mass = case.wall is not None and "m_w" in case.wall
+    unit = "" if has_mass else "_over_m_w_g"
     return [
         name.format(section.name) + unit
         for name, _, _ in _PANELS
@@ -131,10 +132,6 @@ def _named(panels: Panels, label: str, columns: int) -> Panels:
 def has_envelopes(dataset: xr.Dataset) -> bool:
     """Tell whether a run has the envelopes of wall and links."""
     return "wall_shear_1_max_over_m_w_g" in dataset
-
-
-def _has_mass(case: Case) -> bool:
-    return case.wall is not None and "m_w" in case.wall
 
 
 def _height(case: Case) -> float:

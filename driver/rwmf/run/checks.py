@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import os
 import re
@@ -450,8 +448,9 @@ def _title_row(found: Checks) -> list[str]:
 def _shown(rows: Iterable[LimitCheck], *, is_all: bool) -> list[tuple[LimitCheck, str]]:
     """Choose the rows of a table, each with a note on its floor or storey."""
     shown = []
-    for (key, level), part in groupby(rows, key=lambda row: _pattern(row.key)):
+    for quantity, part in groupby(rows, key=lambda row: find_numbered(row.key)[0]):
         members = list(part)
+        key, level = quantity.limit_key, quantity.level
         if is_all or not level:
             shown += [(row, "") for row in members]
             continue
@@ -459,11 +458,6 @@ def _shown(rows: Iterable[LimitCheck], *, is_all: bool) -> list[tuple[LimitCheck
         note = f" ({level} {worst.number})" if len(members) > 1 else ""
         shown.append((worst, f"{key}{note}"))
     return shown
-
-
-def _pattern(key: str) -> tuple[str, str]:
-    quantity, _ = find_numbered(key)
-    return quantity.limit_key, quantity.level
 
 
 def _cells(row: LimitCheck, label: str) -> list[str]:
@@ -510,11 +504,6 @@ def _show(value: Any) -> str:  # noqa: ANN401 (a number or a text)
 def write_csv(found: Checks, path: str | os.PathLike[str]) -> None:
     """Write checks as CSV, one row for each limit, floor, storey and point of a grid."""
     rows = [row.to_dict() for row in found.rows]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(dict.fromkeys(key for row in rows for key in row)))
-    writer.writeheader()
-    writer.writerows(
-        {key: repr(value) if isinstance(value, float) else value for key, value in row.items()}
-        for row in rows
-    )
-    files.write_bytes(path, text.getvalue().encode())
+    names = list(dict.fromkeys(key for row in rows for key in row))
+    cells = ([row.get(name, "") for name in names] for row in rows)
+    files.write_bytes(path, files.csv_text([names, *cells], "\r\n").encode())

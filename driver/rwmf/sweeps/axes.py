@@ -71,6 +71,11 @@ class Coordinate:
     column: str = ""
     power: int = 1
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of its variable."""
+        return ({"units": self.unit} if self.unit else {}) | {"long_name": self.meaning}
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -306,8 +311,8 @@ def take_numbers(
         array = array.astype(object)
     if array.dtype.kind not in ("iufb" if kind == "logical" else "iuf"):
         # NumPy converts a list with one text to an array of texts
-        items = values if isinstance(values, list) else array.tolist()
-        array = np.array([_number(value, kind) for value in items])
+        texts = values if isinstance(values, list) else array.tolist()
+        array = np.array([_number(value, kind) for value in texts])
     numbers = np.ascontiguousarray(array, dtype=np.float64)
     is_good = np.isfinite(numbers)
     wanted = "a finite number"
@@ -319,14 +324,9 @@ def take_numbers(
         wanted = "true or false"
     if not is_good.all():
         i = int(np.argmin(is_good))
-        wrong = show(_item(values, i))
-        raise InputError(f"{where(i)}: {shown or name} = {wrong}: must be {wanted}")
+        items = values if isinstance(values, list) else np.asarray(values, dtype=object).tolist()
+        raise InputError(f"{where(i)}: {shown or name} = {show(items[i])}: must be {wanted}")
     return numbers
-
-
-def _item(values: object, i: int) -> object:
-    item = np.asarray(values, dtype=object)[i] if not isinstance(values, list) else values[i]
-    return item.item() if isinstance(item, np.generic) else item
 
 
 def _number(value: object, kind: str) -> float:

@@ -7,7 +7,6 @@ identifies an entry that a killed process left incomplete; it is removed.
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import json
 import os
@@ -17,6 +16,7 @@ import struct
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, TypedDict
@@ -458,8 +458,10 @@ def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
     if path.exists():
         if not restart:
             _check_same(path, layout)
-            if work.part[1] == 1:
-                _drop_store(store_path, layout)
+            if work.part[1] == 1 and store_path.exists():
+                # of a run that was killed behind its file; not that of another or running sweep
+                with suppress(InputError, OutputError), ChunkStore(store_path, layout):
+                    files.remove(store_path)
             return open_result(path)
         # discard nothing but a sweep
         netcdf.read_identity(path)
@@ -481,14 +483,6 @@ def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
         # rename while locked, so that another process finds the complete file
         files.remove(store_path)
     return open_result(path)
-
-
-def _drop_store(path: Path, layout: Layout) -> None:
-    """Remove the store of a run that was killed after completing its file."""
-    if path.exists():
-        # keep the store of another sweep or of a running one
-        with contextlib.suppress(InputError, OutputError), ChunkStore(path, layout):
-            files.remove(path)
 
 
 def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
@@ -526,7 +520,7 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
     if not parts:
         raise InputError("parts: the list is empty")
     layout = read_layout(Path(parts[0]))
-    with contextlib.ExitStack() as stack:
+    with ExitStack() as stack:
         stores = []
         for name in parts:
             if not Path(name).is_file():
@@ -571,9 +565,7 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
     arrays = netcdf.assemble(layout, source, names)
     dataset = xr.Dataset(attrs=netcdf.attributes(layout))
     for item in layout.coordinates:
-        labels = {"units": item.unit} if item.unit else {}
-        labels["long_name"] = item.meaning
-        dataset.coords[item.name] = (item.dimension, layout.labels(item), labels)
+        dataset.coords[item.name] = (item.dimension, layout.labels(item), item.attributes)
     for name in layout.quantities:
         dataset[name] = (layout.dims, arrays[name], ORDINATES[name].attributes)
     dataset["status"] = (layout.dims, arrays["status"], netcdf.status_attributes(names))
