@@ -490,7 +490,6 @@ class Lanes:
                 self.values[number, i] = chosen
                 if self._has_column[i]:
                     row[item.column] = float(chosen)
-        self._scenes = scenes
 
     def run(self, requests: Sequence[Request]) -> tuple[Array, Truths]:
         """Compute runs."""

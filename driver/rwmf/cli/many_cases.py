@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rwmf.assess.pulses import equal_response, overturning_map
-from rwmf.assess.wall_effect import wall_effect
+from rwmf.assess.studies import equal_response, overturning_map, wall_effect
 from rwmf.case import Case
 from rwmf.case.arguments import case_of
 from rwmf.cli import output
@@ -120,15 +119,9 @@ def run_sweep(options: argparse.Namespace) -> list[str] | None:
     started = time.perf_counter()
     try:
         with open_executor(options.engine, options.workers) as executor, progress() as report:
-            dataset = sweep(
-                **vars(request),
-                file=path,
-                threads=options.threads,
-                executor=executor,
-                progress=report,
-                restart=options.restart,
-                part=part,
-            )
+            further = output.chosen(options, "threads", "restart") | {"part": part}
+            further |= {"executor": executor, "progress": report}
+            dataset = sweep(file=path, **vars(request), **further)
     except Interrupted as error:
         print(f"rwmf: {error}", file=sys.stderr)
         raise
@@ -205,16 +198,8 @@ def run_wall(options: argparse.Namespace) -> None:
     if options.T_s is not None or "T_s" in case.kernel.axes():
         grid["T_s"] = options.T_s or numbers(_PERIODS)
     with progress() as report:
-        found = wall_effect(
-            case,
-            grid,
-            records,
-            options.quantities,
-            unit=options.unit,
-            dt=options.dt,
-            threads=options.threads,
-            progress=report,
-        )
+        further = output.chosen(options, "quantities", "unit", "dt", "threads")
+        found = wall_effect(case, grid, records, progress=report, **further)
     _finish(options, found, plots.wall_effect)
     print("with the wall over without it:")
     for name in str(found.attrs["quantities"]).split():
@@ -228,14 +213,8 @@ def run_equal_response(options: argparse.Namespace) -> None:
     """Find pulses with the same response (``rwmf study equal-response``)."""
     case = Case.from_namelist(options.case)
     output.check_files(options, case.inputs)
-    found = equal_response(
-        case,
-        options.T_p,
-        options.target,
-        threads=options.threads,
-        progress=True,
-        quantities=options.quantities,
-    )
+    further = output.chosen(options, "T_p", "target", "threads", "quantities")
+    found = equal_response(case, progress=True, **further)
     _finish(options, found, plots.equal_response)
 
 

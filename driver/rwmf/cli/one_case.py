@@ -126,12 +126,8 @@ def run_design(options: argparse.Namespace) -> list[str]:
             options.target,
             weights,
             options.records,
-            left_out=options.left_out,
-            designs=options.designs,
-            unit=options.unit,
-            dt=options.dt,
-            threads=options.threads,
             progress=True,
+            **output.chosen(options, "left_out", "designs", "unit", "dt", "threads"),
         )
     except InputError as error:
         if bounds or options.target or weights or options.records or case.design is None:
@@ -208,12 +204,8 @@ def run_gradient(options: argparse.Namespace) -> None:
         case,
         _words(options.parameters) or None,
         _words(options.quantities) or None,
-        records=options.records,
-        statistic=options.statistic,
-        unit=options.unit,
-        dt=options.dt,
-        threads=options.threads,
         progress=True,
+        **output.chosen(options, "records", "statistic", "unit", "dt", "threads"),
     )
     if options.json:
         names = [*found.data_vars, "parameter_value", "parameter_scale"]
@@ -243,10 +235,9 @@ def run_pushover(options: argparse.Namespace) -> list[str | None]:
     written = output.check_files(options, case.inputs, case)
     if options.run_too and not options.plot:
         raise InputError("--run: needs a figure for the hysteresis, --out FILE.png")
-    wanted = {} if options.drifts is None else {"drifts": options.drifts}
-    curve = pushover(
-        case, pattern=options.pattern, forces=options.forces, steps=options.steps, **wanted
-    )
+    wanted = output.chosen(options, "pattern", "forces", "steps")
+    wanted |= {} if options.drifts is None else {"drifts": options.drifts}
+    curve = pushover(case, **wanted)
     if options.out:
         files.write_bytes(options.out, _table(curve).encode())
     history = None

@@ -48,6 +48,11 @@ def check_files(
     return found
 
 
+def chosen(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Return options as arguments of the same names."""
+    return {name: getattr(options, name) for name in names}
+
+
 def compare(
     case: Case, result: xr.Dataset | Mapping[str, Any], paths: Sequence[str] | None
 ) -> Checks | None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import rwmf
 from rwmf.case import Motion
-from rwmf.cli.output import check_files, print_json, print_warnings, printed_warnings
+from rwmf.cli.output import check_files, chosen, print_json, print_warnings, printed_warnings
 from rwmf.errors import InputError, OutputError
 from rwmf.figures import image_files as figures
 from rwmf.figures.ground import draw_records, draw_selection
@@ -85,8 +85,8 @@ def convert(options: argparse.Namespace) -> list[str | None]:
     if options.out is None:
         raise InputError("records convert: needs --out FILE")
     check_files(options, [options.record])
-    raw = records.read(options.record, unit=options.unit, dt=options.dt, channel=options.channel)
-    steps = {name: getattr(options, name) for name in ("resample", "baseline", "taper", "band")}
+    raw = records.read(options.record, **chosen(options, "unit", "dt", "channel"))
+    steps = chosen(options, "resample", "baseline", "taper", "band")
     if any(step is not None for step in steps.values()):
         found = records.process(raw, **steps, poles=options.poles)
         crc = zlib.crc32(Path(options.record).read_bytes())
@@ -130,13 +130,9 @@ def select(options: argparse.Namespace) -> list[str | None]:
             options.records,
             options.target,
             options.band,
-            options.n,
-            limits=options.limits,
-            damping=options.damping,
             is_paired=options.pairs,
             progress=report,
-            unit=options.unit,
-            dt=options.dt,
+            **chosen(options, "n", "limits", "damping", "unit", "dt"),
         )
     if options.out:
         found.write(options.out)

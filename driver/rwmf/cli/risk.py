@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,7 +14,7 @@ import rwmf
 from rwmf.assess.annual import hazard_of, unit_of
 from rwmf.assess.loss import loss_quantities, nrml_text, write_pelicun
 from rwmf.assess.table import quantities_of, write_dataset
-from rwmf.cli.output import check_files, print_json, print_warnings, printed_warnings
+from rwmf.cli.output import check_files, chosen, print_json, print_warnings, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.figures import image_files as figures
@@ -38,8 +37,8 @@ _NOT_IN_MODEL = (
 
 def ida(options: argparse.Namespace) -> Written:
     """Run an incremental dynamic analysis (``rwmf ida``)."""
-    search = {"tolerance": options.tolerance, "highest": options.highest}
-    run = partial(rwmf.ida, levels=options.levels, limits=dict(options.limits), **search)
+    search = chosen(options, "levels", "tolerance", "highest")
+    run = partial(rwmf.ida, limits=dict(options.limits), **search)
     return _analyse("ida", options, run)
 
 
@@ -61,8 +60,7 @@ def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.D
     inputs = [path for case in cases for path in case.inputs]
     inputs += [Path(record.path) for record in records if record.path]
     check_files(options, inputs)
-    further: dict[str, Any] = {name: getattr(options, name) for name in _SHARED}
-    further["file"] = options.out
+    further = chosen(options, *_SHARED) | {"file": options.out}
     names = options.quantities
     if names is None and options.pelicun:
         names = loss_quantities(cases[0])
@@ -87,13 +85,9 @@ def fit(options: argparse.Namespace) -> Written:
         options.tables,
         options.limit,
         options.quantities and [options.quantities],
-        method=options.method,
         dispersions=options.dispersions or (),
-        mce=options.mce,
         shape_factor=factor,
-        resamples=options.resamples,
-        confidence=options.confidence,
-        seed=options.seed,
+        **chosen(options, "method", "mce", "resamples", "confidence", "seed"),
     )
     names = [
         "median", "median_band", "dispersion", "dispersion_band", "dispersion_total",

@@ -425,9 +425,9 @@ def _stage(
     shown = dataset["u_s"] if "u_s" in dataset else dataset["theta"]
     lower.plot(t, shown.values, color=COLOURS[0], linewidth=1.0)
     (cursor,) = lower.plot([t[0]], [shown.values[0]], "o", color=COLOURS[1], markersize=5)
-    lower.set_xlabel("time $t$ (s)")
     roof = "roof " if case.storeys is not None else ""
-    lower.set_ylabel(f"{roof}$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)")
+    label_of_shown = f"{roof}$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)"
+    lower.set(xlabel="time $t$ (s)", ylabel=label_of_shown)
     lower.margins(x=0)
     end = _end_of(dataset)
     drawn = in_words(case, scale).replace(", ", ",\n")

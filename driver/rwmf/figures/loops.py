@@ -273,9 +273,8 @@ def draw(dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None
             ax.plot(1e3 * loop.displacement, force, **line | {"linewidth": 0.9, "label": label})
         ax.axhline(0.0, **LEVEL)
         title, displacement = _PANELS[kind]
-        ax.set_xlabel(displacement)
-        ax.set_ylabel(found[0].label if found[0].newtons is None else "force (kN)")
-        ax.set_title(title)
+        force_label = found[0].label if found[0].newtons is None else "force (kN)"
+        ax.set(title=title, xlabel=displacement, ylabel=force_label)
         if len(found) > 1:
             # full columns, at most five
             columns = math.ceil(len(found) / math.ceil(len(found) / 5))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rwmf.assess.pulses import SURVIVES
+from rwmf.assess.studies import SURVIVES
 from rwmf.case.arguments import checked
 from rwmf.figures import styles
 from rwmf.run.arguments import dataset_of
@@ -170,8 +170,8 @@ def wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
             ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **line_style)
     ax.axhline(1.0, **styles.LEVEL)
     only = f"{_symbol(names[0])} " if len(names) == 1 else ""
-    ax.set(ylabel=f"{only}with / without wall", ylim=(0, None))
-    ax.set_xlabel(styles.period_label(dataset["T_s"]))
+    period = styles.period_label(dataset["T_s"])
+    ax.set(xlabel=period, ylabel=f"{only}with / without wall", ylim=(0, None))
     ax.margins(x=0)
     if ax.get_legend_handles_labels()[1]:
         styles.legend_above(ax, columns=2)
