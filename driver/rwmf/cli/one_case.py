@@ -27,6 +27,7 @@ from rwmf.figures.results import pushover as draw
 from rwmf.hosts.fmu import export_fmu
 from rwmf.hosts.opensees_script import compare_with_opensees, opensees_script, run_opensees
 from rwmf.kernel import files
+from rwmf.kernel.numbers import grouped
 from rwmf.kernel.progress import progress
 from rwmf.run.pushover import pushover
 from rwmf.run.response import columns_by_key, marks_of
@@ -272,11 +273,9 @@ def _checks(case: Case, curve: xr.Dataset, options: argparse.Namespace) -> Check
 def _table(curve: xr.Dataset) -> str:
     """Return the rows of the curve as CSV; the last column names the marks of a row."""
     columns = columns_by_key(curve)
-    marks: dict[int, list[str]] = {}
-    for name, step, _ in marks_of(curve):
-        marks.setdefault(step, []).append(name)
+    marks = grouped(marks_of(curve), lambda mark: mark[1])
     rows = [
-        [i, *map(float, row), " ".join(marks.get(i, []))]
+        [i, *map(float, row), " ".join(name for name, *_ in marks.get(i, []))]
         for i, row in enumerate(zip(*columns.values(), strict=True))
     ]
     return files.csv_text([["step", *columns, "marks"], *rows])

@@ -17,7 +17,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -219,13 +219,6 @@ _NOT_BARE = ("output", "spectrum")
 _NOT_KEY_NUMBERS = ("warnings", "effects", "method", "rtol", "seconds", "rhs_evaluations")
 
 
-class _Record(NamedTuple):
-    """A record uploaded by the page."""
-
-    path: Path
-    base: Case
-
-
 def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
     """Save the motions from arrays as files that a namelist can name."""
     if not case.motions:
@@ -384,27 +377,26 @@ class Model:
     def _case_of(self, question: Question) -> Case:
         if not question.record:
             return case_of(question, self._case)
-        return case_of(question, self._record(question.record).base)
+        return case_of(question, self._record(question.record))
 
     def _keys_of(self, number: str) -> Path:
         """Return the file with the keys of &motion for a record."""
         return self._folder / f"{number}.json"
 
-    def _read_record(self, number: str) -> _Record:
+    def _read_record(self, number: str) -> Case:
         keys = self._keys_of(number)
         if not keys.exists():
             raise BadQuestionError("there is no such record: upload it again")
         (path,) = keys.with_suffix("").iterdir()
         motion = json.loads(keys.read_text(encoding="ascii")) | {"file": str(path)}
-        base = self._case.replace(vertical=None, motion=None).replace(motion=motion)
-        return _Record(path, base)
+        return self._case.replace(vertical=None, motion=None).replace(motion=motion)
 
     def _namelist(self, case: Case, record: str) -> str:
         text = case.to_namelist()
         # records in the server's folder are saved beside the namelist
         files = [*self._folder.glob("case_*.txt")]
         if record:
-            files.append(self._record(record).path)
+            files.append(Path(self._record(record).motion.file))
         for path in files:
             text = text.replace(_quoted(str(path)), _quoted(path.name))
         return text
@@ -521,7 +513,7 @@ def _groups_of(summary: dict[str, Any]) -> list[list[Any]]:
 def _profile_of(case: Case, summary: dict[str, Any]) -> dict[str, list[float]]:
     """Return heights, peak drifts, drifts at first yield and peak accelerations of the storeys."""
     floors = sum(bool(re.fullmatch(r"floor_\d+_acceleration_max_g", key)) for key in summary)
-    heights = heights_of_storeys(case, floors)
+    heights = heights_of_storeys(case)
     if not floors or not heights:
         return {"heights": [], "drift": [], "yield": [], "acceleration": []}
     named: Any = {find(key).name or key: value for key, value in summary.items()}

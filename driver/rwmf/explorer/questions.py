@@ -102,17 +102,15 @@ def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any: 
         if number != math.floor(number) or abs(number) >= 2**31:
             raise BadQuestionError(f"{name}: must be a whole number")
         return int(number)
-    if kind == "logical":
-        if not isinstance(value, bool):
-            raise BadQuestionError(f"{name}: must be true or false")
-        return value
-    if kind == "choice":
-        if value not in words:
-            raise BadQuestionError(f"{name}: must be one of {', '.join(words)}")
-        return value
-    if kind == "text":
-        if not isinstance(value, str) or not _WORD.fullmatch(value):
-            raise BadQuestionError(f"{name}: must be a word")
+    single = {
+        "logical": (isinstance(value, bool), "true or false"),
+        "choice": (value in words, f"one of {', '.join(words)}"),
+        "text": (isinstance(value, str) and _WORD.fullmatch(value) is not None, "a word"),
+    }
+    if kind in single:
+        is_good, wanted = single[kind]
+        if not is_good:
+            raise BadQuestionError(f"{name}: must be {wanted}")
         return value
     if not isinstance(value, list) or not value:
         raise BadQuestionError(f"{name}: must be a list")

@@ -28,6 +28,7 @@ import traceback
 import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -362,16 +363,12 @@ class _Handler(BaseHTTPRequestHandler):
             answer = encode({path.name: path.read_text(encoding="ascii") for path in server.made})
         elif url.path in ("/api/history", "/api/spectrum", "/api/cost"):
             question = read(_json(self._body(_MOST_QUESTION)))
-            if url.path == "/api/cost":
-                self._stream(
-                    lambda report: server.workers.ask(
-                        "cost", (question,), self._check_connection, report
-                    )
-                )
+            name = url.path.removeprefix("/api/")
+            ask = partial(server.workers.ask, name, (question,), self._check_connection)
+            if name == "cost":
+                self._stream(ask)
                 return
-            answer = server.workers.ask(
-                url.path.removeprefix("/api/"), (question,), self._check_connection
-            )
+            answer = ask()
         else:
             raise _RefusedError(404, "there is no such question")
         self._send(200, "application/json", answer)

@@ -76,7 +76,7 @@ def find_building(case: Case, dataset: xr.Dataset) -> Building | None:
         first, heights = levels.levels_of_frame(dataset, case).first_yield, np.ones(1)
     else:
         drifts = np.array([dataset[name].values for name in members(dataset, "storey_{i}_drift")])
-        heights = np.broadcast_to(np.array(case.storeys.height, dtype=float), len(drifts))
+        heights = np.array(case.storeys.height)
         floors = np.cumsum(heights)
         first = levels.levels_of_storeys(dataset, case, len(drifts)).first_yield
     sway = np.cumsum(drifts * heights[:, np.newaxis], axis=0)
@@ -106,31 +106,26 @@ class BuildingLines:
         building = self._building
         x = ground + np.concatenate(([0.0], self._sway[:, i]))
         z = np.concatenate(([0.0], building.levels))
-        left, right = self._feet
         columns: tuple[list[Array], list[Array]] = ([], [])
-        hinges: list[Array] = []
         for k, yields in enumerate(building.has_yielded[:, i]):
             column_axis = np.stack(
                 (x[k] + (x[k + 1] - x[k]) * _BENT, z[k] + (z[k + 1] - z[k]) * _COLUMN), axis=1
             )
-            for foot in (left, right):
-                column = column_axis + np.array([foot, 0.0])
-                columns[int(yields)].extend((column, _GAP))
-                hinges.extend([column[[1, -2]]] if yields else [])
+            columns[int(yields)].extend(column_axis + np.array([foot, 0.0]) for foot in self._feet)
         for line, parts in ((self._columns, columns[0]), (self._yielded, columns[1])):
             line.set_data(*_joined(parts))
-        self._hinges.set_data(*_joined(hinges))
+        hinges = [column[[1, -2]] for column in columns[1]]
+        self._hinges.set_data(*np.reshape(hinges, (-1, 2)).T)
         ends = [
-            np.array([[left + u, h], [right + u, h]]) for u, h in zip(x[1:], z[1:], strict=True)
+            np.column_stack((self._feet + u, [h, h])) for u, h in zip(x[1:], z[1:], strict=True)
         ]
-        self._floors.set_data(*_joined([part for end in ends for part in (end, _GAP)]))
+        self._floors.set_data(*_joined(ends))
         if face is not None:
             along = np.linspace(0.0, z[-1], len(face))
             links = [
-                part
+                np.concatenate((end[1:], _at_height(face, along, end[1, 1])))
                 for end, is_linked in zip(ends, building.linked, strict=True)
                 if is_linked
-                for part in (end[1:], _at_height(face, along, end[1, 1]), _GAP)
             ]
             self._links.set_data(*_joined(links))
 
@@ -141,8 +136,9 @@ def _at_height(face: Array, along: Array, height: float) -> Array:
 
 
 def _joined(parts: list[Array]) -> Array:
-    """Join the points of several parts into one line; shape (2, points)."""
-    return np.concatenate(parts).T if parts else np.empty((2, 0))
+    """Join the points of several parts into one line with gaps; shape (2, points)."""
+    found = [item for part in parts for item in (part, _GAP)]
+    return np.concatenate([np.empty((0, 2)), *found]).T
 
 
 FORMATS = ("gif", "webp", "mp4")
@@ -522,9 +518,7 @@ def _wall(
         for kind, line in drawn.items():
             # the tendon follows a wall that bends
             join = bend if kind == "cable" else (lambda *ends: np.stack(ends))
-            parts = [join(*map(place, item.ends)) for item in rods[kind]]
-            gap = np.full((1, 2), np.nan)
-            line.set_data(*np.concatenate([x for part in parts for x in (part, gap)]).T)
+            line.set_data(*_joined([join(*map(place, item.ends)) for item in rods[kind]]))
         if press is not None:
             return press(i, ground[i] + slip[i]), left
         if is_pinned:

@@ -174,7 +174,7 @@ def _heights_of_yielding(case: Case) -> list[float]:
     """Return the heights of storeys that yield one by one."""
     if case.storeys is None or case.yielding is None or "storey_u_y" not in case.yielding:
         return []
-    return heights_of_storeys(case, len(case.storeys.m_over_m_w))
+    return heights_of_storeys(case)
 
 
 def check_springs(case: CaseLike) -> None:

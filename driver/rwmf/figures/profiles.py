@@ -143,7 +143,7 @@ def _height(case: Case) -> float:
 def _floors(case: Case) -> list[_Section]:
     """List the floors from the ground up."""
     if case.storeys is not None:
-        heights = np.cumsum(np.atleast_1d(case.storeys.height))
+        heights = np.cumsum(case.storeys.height)
         return [_Section(str(i + 1), float(z)) for i, z in enumerate(heights)]
     return [_Section("1", _height(case))] if case.frame is not None else []
 

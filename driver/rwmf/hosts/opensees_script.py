@@ -431,8 +431,9 @@ class _Script:
         u_y = law.force_y / law.k
         cap, post_cap = float(values["cap"]), float(values["post_cap"])
         side = ((cap - 1) * u_y, post_cap * u_y, 1e3, law.force_y, 1 + hardening * (cap - 1))
-        wear = [float(x) * u_y for x in _four(values.get("lambda") or 0.0)]
-        powers = [float(x) for x in _four(values["lambda_exponent"])]
+        # four numbers for one or four
+        wear = np.broadcast_to(np.multiply(values.get("lambda") or 0.0, u_y), 4).tolist()
+        powers = np.broadcast_to(np.array(values["lambda_exponent"], dtype=float), 4).tolist()
         words = [law.k, *2 * (*side, float(values["residual"])), *wear, *powers, 1.0, 1.0]
         if values["law"] == "peak_oriented":
             return self._material("IMKPeakOriented", *words)
@@ -575,12 +576,6 @@ class _Script:
             self._title("the first mode is pushed with more mass than it has")
             self._do("pattern", "Plain", 4, 2)
             self._do("load", 101, float(frame.m[0] - frame.push[0]), 0.0, 0.0)
-
-
-def _four(values: object) -> list[float]:
-    """Return four numbers for one or four."""
-    found = np.atleast_1d(np.asarray(values, dtype=float))
-    return [float(x) for x in np.broadcast_to(found, 4)]
 
 
 _COMPARED_IMPACTS = 10

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from rwmf.case import Case
-from rwmf.case.elements import elements_of
+from rwmf.case.elements import elements_of, height_of_frame
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import Array
 from rwmf.run.simulation import simulate
@@ -343,9 +343,7 @@ def _frame(case: Case, m_w: float) -> Frame:
     if storeys is None:
         mass = frame.gamma * m_w if m_w else _number(frame.get("m_s")) or 1.0
         omega = 2 * math.pi / frame.T_s
-        height = (_number(p_delta.get("h_f")) if p_delta is not None else 0.0) or 2 * (
-            case.wall.h if case.wall is not None else 0.5
-        )
+        height = height_of_frame(case) or 1.0
         heights = np.array([height])
         lean = mass * weight / height
         return _of_one_mass(case, "single", mass, omega, np.ones(1), mass, lean, heights)

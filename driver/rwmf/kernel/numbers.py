@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
@@ -19,6 +19,7 @@ from rwmf.errors import InputError
 from rwmf.kernel.names import shorten
 
 _T = TypeVar("_T")
+_K = TypeVar("_K", bound=Hashable)
 Array = npt.NDArray[np.float64]
 Truths = npt.NDArray[np.bool_]
 Wholes = npt.NDArray[np.int64]
@@ -199,9 +200,9 @@ def first_masked(values: object) -> int | None:
     return None
 
 
-def grouped(items: Iterable[_T], key: Callable[[_T], str]) -> dict[str, list[_T]]:
+def grouped(items: Iterable[_T], key: Callable[[_T], _K]) -> dict[_K, list[_T]]:
     """Collect items by a key, in the order of their first ones."""
-    found: dict[str, list[_T]] = {}
+    found: dict[_K, list[_T]] = {}
     for item in items:
         found.setdefault(key(item), []).append(item)
     return found

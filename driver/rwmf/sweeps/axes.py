@@ -7,6 +7,7 @@ import functools
 import hashlib
 import itertools
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple, Self, TypeVar
@@ -523,9 +524,7 @@ class Layout:
             group, scene = divmod(group, len(begins) - 1)
             members.insert(0, order[begins[scene] : begins[scene + 1]])
         # all chunks of a group have equal length
-        size = 1
-        for member in members:
-            size *= len(member)
+        size = math.prod(map(len, members))
         n = following - first
         start, stop = (size * i // n for i in (number - first, number - first + 1))
         return members, start, stop

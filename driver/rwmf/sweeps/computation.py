@@ -31,6 +31,7 @@ from rwmf.errors import InputError, Interrupted, OutputError
 from rwmf.kernel import files
 from rwmf.kernel.files import path_of
 from rwmf.kernel.marshalling import Closing
+from rwmf.kernel.numbers import grouped
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import ORDINATES
@@ -270,10 +271,7 @@ def _curves(part: _Part) -> list[list[str]]:
     """Return the rows grouped by width and mass ratio, the columns before the period."""
     names = part.head[-1].rstrip("\n").split(",")
     n = names.index("T_s_s") if "T_s_s" in names else 0
-    curves: dict[tuple[str, ...], list[str]] = {}
-    for row in part.rows:
-        curves.setdefault(tuple(row.split(",")[:n]), []).append(row)
-    return list(curves.values())
+    return list(grouped(part.rows, lambda row: tuple(row.split(",")[:n])).values())
 
 
 class SweepOptions(TypedDict, total=False):
