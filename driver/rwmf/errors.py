@@ -21,6 +21,7 @@ __all__ = [
     "RwmfWarning",
     "call_depth",
     "did_you_mean",
+    "no_line_numbers",
     "placed",
     "warn",
     "without_lines",
@@ -47,6 +48,15 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 def without_lines(message: str) -> str:
     """Remove line numbers from a message about text that the user has not written."""
     return re.sub(r" \(line \d+\)", "", message)
+
+
+@contextmanager
+def no_line_numbers() -> Iterator[None]:
+    """Remove line numbers from messages about text that the user has not written."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(without_lines(str(error))) from None
 
 
 class RwmfError(Exception):

@@ -28,7 +28,7 @@ import rwmf
 import xarray as xr
 from checkout import BATCH, ROOT
 from rwmf import cli, studies
-from rwmf.assess.pulses import SURVIVES
+from rwmf.assess.studies import SURVIVES
 from rwmf.case.namelist import compose
 from rwmf.motion.record_sets import RecordFile, find_records
 from rwmf.run import simulation

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import math
 import os
@@ -16,7 +17,7 @@ import xarray as xr
 
 from rwmf.assess.table import describe, read_table, refuse_least, table_of, write_table
 from rwmf.case import Case, CaseLike, Motion
-from rwmf.case.arguments import case_of, checked, texts_of
+from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError
 from rwmf.kernel import files, tables
 from rwmf.kernel.names import readable
@@ -150,8 +151,7 @@ def ida(
         After Ctrl-C; finished chunks are kept beside `file`.
     """
     found = _limits(limits)
-    names = [] if quantities is None else texts_of("quantities", quantities)
-    suite, options = _suite("ida", case, records, [*names, *found], further)
+    suite, options = _suite("ida", case, records, [*(quantities or ()), *found], further)
     ladder = np.unique(levels)
     top = _HIGHEST * float(ladder[-1])
     if highest is not None:
@@ -363,15 +363,9 @@ def _run(
         if path.exists() and not _is_other(path, attributes["request"], restart):
             return read_table(path)
     stages = _Stages(suite, options, path, restart)
-    steps = settings.get("levels", settings.get("factors"))
-    table, warnings = stages.run(
-        [
-            (name, record, step)
-            for name in suite.designs
-            for record in range(len(suite.records))
-            for step in steps
-        ]
-    )
+    steps = settings["levels" if "levels" in settings else "factors"]
+    points = itertools.product(suite.designs, range(len(suite.records)), steps)
+    table, warnings = stages.run(list(points))
     while search is not None and (further := list(_next_points(suite, table, search))):
         more, others = stages.run(further)
         warnings += others
@@ -418,18 +412,16 @@ def _next_points(
             yield names[i], record, level
 
 
+@dataclasses.dataclass
 class _Stages:
     """Sweeps of an analysis, one for each design and stage."""
 
-    def __init__(
-        self, suite: Suite, options: dict[str, Any], path: Path | None, restart: bool
-    ) -> None:
-        self._suite = suite
-        self._options = options
-        self._path = path
-        self._restart = restart
-        self._stage = 0
-        self._files: list[Path] = []
+    _suite: Suite
+    _options: dict[str, Any]
+    _path: Path | None
+    _restart: bool
+    _stage: int = 0
+    _files: list[Path] = dataclasses.field(default_factory=list)
 
     def run(
         self, points: list[tuple[str, int, float]]

@@ -30,11 +30,11 @@ _FORMS = (
 # the steepest power law; published hazard curves have exponents of 1 to 5
 _STEEPEST = 100.0
 _INTENSITY = known_words(
-    "intensity im ims iml imls level measure x a pga pgv pgd sa psa avgsa t s arias cav"
-) | known_words(
-    "ground motion spectral pseudo peak acceleration velocity displacement "
-    "average mean median geomean of at"
+    "intensity im ims iml imls level measure x a pga pgv pgd sa psa avgsa t s arias cav ground "
+    "motion spectral pseudo peak acceleration velocity displacement average mean median geomean of "
+    "at"
 )
+_OF_INTENSITY = (ACCELERATION, "velocity", "displacement")
 # words of a quantity beside the first of these, which one of them is required
 _OF = "of exceedance exceeding mean annual yearly hazard"
 _QUANTITIES = {
@@ -144,7 +144,7 @@ def _from_columns(
         raise InputError(f"{head}: has {len(columns)} columns: must have two, {_COLUMNS}")
     names = {read_column_name(name): values for name, values in columns.items()}
     for level, rate in itertools.permutations(names, 2):
-        if _is_intensity(level) and _quantity(rate):
+        if level.consists_of(_INTENSITY, *_OF_INTENSITY) and _quantity(rate):
             break
     else:
         raise InputError(f"{head}: the columns are {', '.join(columns)}: must be {_COLUMNS}")
@@ -209,10 +209,6 @@ def _level(name: str, path: Path) -> float:
         return float(name.removeprefix(_LEVEL))
     except ValueError:
         raise InputError(f"{path}, line 2: the column {name} names no intensity") from None
-
-
-def _is_intensity(name: ColumnName) -> bool:
-    return name.consists_of(_INTENSITY, ACCELERATION, "velocity", "displacement")
 
 
 def _quantity(name: ColumnName) -> str:
@@ -452,23 +448,7 @@ def _outside(hazard: Hazard, medians: Array, dispersions: Array, total: Array) -
 
 def _fragilities(value: Any) -> tuple[xr.Dataset, xr.Dataset | None]:  # noqa: ANN401
     """Return medians and total dispersions over designs, and their resamples."""
-    if isinstance(value, xr.Dataset):
-        if "median" not in value or "dispersion" not in value:
-            raise InputError("fragility: has no median and dispersion: must be of rwmf.fragility")
-        dataset = value if "design" in value.dims else value.expand_dims("design")
-        total = dataset["dispersion_total" if "dispersion_total" in dataset else "dispersion"]
-        found = {"median": dataset["median"].values, "dispersion": total.values}
-        names = dataset["design"].values if "design" in dataset.coords else [""]
-        attrs = dict(dataset.attrs)
-        samples = None
-        if "median_resampled" in dataset:
-            further = total**2 - dataset["dispersion"] ** 2
-            spread = np.sqrt(dataset["dispersion_resampled"] ** 2 + further)
-            samples = xr.Dataset(
-                {"median": dataset["median_resampled"], "dispersion": spread},
-                attrs={"confidence": dataset.attrs.get("confidence", 0.95)},
-            )
-    else:
+    if not isinstance(value, xr.Dataset):
         items = to_items(value)
         if isinstance(value, Mapping) and {"median", "dispersion"} <= set(value):
             items = [value["median"], value["dispersion"]]
@@ -477,22 +457,38 @@ def _fragilities(value: Any) -> tuple[xr.Dataset, xr.Dataset | None]:  # noqa: A
                 f"fragility = {show(value)}: must be a dataset of rwmf.fragility, a mapping with "
                 "median and dispersion, or the pair of both"
             )
-        found = {
-            name: to_array(f"fragility: {name}", item, least=1, is_finite=False)
+        pair = [
+            to_array(f"fragility: {name}", item, least=1, is_finite=False)
             for name, item in zip(("median", "dispersion"), items, strict=True)
-        }
-        if len(found["median"]) != len(found["dispersion"]):
+        ]
+        if len(pair[0]) != len(pair[1]):
             raise InputError("fragility: median and dispersion differ in their length")
-        names, attrs, samples = [str(i + 1) for i in range(len(found["median"]))], {}, None
-    for name, median, dispersion in zip(names, *found.values(), strict=True):
+        numbers = [str(i + 1) for i in range(len(pair[0]))]
+        columns = {"median": ("design", pair[0]), "dispersion": ("design", pair[1])}
+        value = xr.Dataset(columns, {"design": numbers})
+    if "median" not in value or "dispersion" not in value:
+        raise InputError("fragility: has no median and dispersion: must be of rwmf.fragility")
+    dataset = value if "design" in value.dims else value.expand_dims("design")
+    total = dataset["dispersion_total" if "dispersion_total" in dataset else "dispersion"]
+    names = dataset["design"].values if "design" in dataset.coords else [""]
+    medians, dispersions = dataset["median"].values.astype(float), total.values.astype(float)
+    for name, median, dispersion in zip(names, medians, dispersions, strict=True):
         label = f"fragility{f' of {name}' if len(names) > 1 else ''}"
         to_number(f"{label}: median", median, above=0.0)
         if to_number(f"{label}: dispersion", dispersion) < 0:
             raise InputError(f"{label}: dispersion = {dispersion:g}: must be >= 0")
     curves = xr.Dataset(
-        {name: ("design", np.asarray(item, dtype=float)) for name, item in found.items()},
+        {"median": ("design", medians), "dispersion": ("design", dispersions)},
         coords={"design": ("design", np.asarray(names, dtype=object))},
-        attrs=attrs,
+        attrs=dataset.attrs,
+    )
+    if "median_resampled" not in dataset:
+        return curves, None
+    further = total**2 - dataset["dispersion"] ** 2
+    spread = np.sqrt(dataset["dispersion_resampled"] ** 2 + further)
+    samples = xr.Dataset(
+        {"median": dataset["median_resampled"], "dispersion": spread},
+        attrs={"confidence": dataset.attrs.get("confidence", 0.95)},
     )
     return curves, samples
 

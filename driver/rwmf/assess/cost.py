@@ -297,7 +297,9 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
         cause = "takes too long" if isinstance(error, _TooSlowError) else f"failed ({error})"
         method = f"Taylor series in double precision: quadruple precision {cause}"
         tolerances = _DOUBLE
-        found = _double_reference(case)
+        loose, tight = (_measure.measure_method(case, "taylor", rtol, 0.0) for rtol in _DOUBLE)
+        apart = {name: abs(tight.values[name] - loose.values[name]) for name in tight.values}
+        found = Reference(**vars(tight), differences=apart)
     peak = _peak_name(case, found)
     facts = {
         "method": method,
@@ -311,13 +313,6 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
         "seconds": found.seconds,
     }
     return found, facts
-
-
-def _double_reference(case: Case) -> Reference:
-    """Compute the reference at two tolerances in double precision."""
-    loose, tight = (_measure.measure_method(case, "taylor", rtol, 0.0) for rtol in _DOUBLE)
-    differences = {name: abs(tight.values[name] - loose.values[name]) for name in tight.values}
-    return Reference(**vars(tight), differences=differences)
 
 
 def _row(task: _Task, budget: float, reference: Reference, peak: str) -> Row:
@@ -392,8 +387,7 @@ def _clear_impacts(times: Array) -> Truths:
         return np.zeros(0, dtype=bool)
     flights = np.diff(times, prepend=0.0, append=np.inf)
     limit = _CHATTER * flights[:-1].max()
-    clear: Truths = (flights[:-1] >= limit) & (flights[1:] >= limit)
-    return clear
+    return np.asarray((flights[:-1] >= limit) & (flights[1:] >= limit))
 
 
 def cheapest(rows: list[Row], target: float) -> Row | None:

@@ -439,12 +439,10 @@ def _descend(
         return full
 
     def neighbours(x: Array) -> list[tuple[Array, Array, float]]:
-        found = []
-        for i in range(len(x)):
-            up, down = x.copy(), x.copy()
-            up[i], down[i] = min(x[i] + _STEP, 1.0), max(x[i] - _STEP, 0.0)
-            found.append((design(up), design(down), up[i] - down[i]))
-        return found
+        steps = _STEP * np.eye(len(x))
+        ups, downs = np.minimum(x + steps, 1.0), np.maximum(x - steps, 0.0)
+        widths = np.diag(ups - downs).tolist()
+        return list(zip(map(design, ups), map(design, downs), widths, strict=True))
 
     def slope_of_cost(x: Array) -> Array:
         return np.array(
@@ -455,8 +453,7 @@ def _descend(
         near = neighbours(x)
         both = runs.utilisations(np.array([item for pair in near for item in pair[:2]]))
         steps = np.array([step for *_, step in near])
-        found: Array = -((both[::2] - both[1::2]) / steps[:, None]).T
-        return found
+        return np.asarray(-((both[::2] - both[1::2]) / steps[:, None]).T)
 
     minimize(
         lambda x: cost(design(x)) / size,

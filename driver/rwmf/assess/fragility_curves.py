@@ -114,7 +114,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Fit:
-    """Fitted distributions of the sample or of its resamples.
+    """Fitted distributions of the sample and then of its resamples.
 
     Attributes
     ----------
@@ -133,11 +133,6 @@ class Fit:
     dispersion: Array
     slope: Array | None = None
     scatter: Array | None = None
-
-    def __getitem__(self, part: slice) -> Fit:
-        """Return the fits of some resamples."""
-        optional = (None if item is None else item[part] for item in (self.slope, self.scatter))
-        return Fit(self.median[part], self.dispersion[part], *optional)
 
 
 def fit_counts(levels: Array, exceeded: Array, runs: Array) -> Fit:
@@ -257,6 +252,8 @@ def _powers(x: Array) -> Array:
     return np.column_stack([np.ones(x.size), x])
 
 
+# positions of a curve with counts or capacities, and its fit
+_Fitted = tuple[dict[str, Any], Fit]
 METHODS = ("counts", "capacities", "cloud")
 _OF_ANALYSIS = {"ida": "capacities", "stripes": "counts", "cloud": "cloud"}
 COLLAPSE = "collapse"
@@ -504,7 +501,7 @@ def _one(rows: xr.Dataset, question: _Question, label: str) -> tuple[xr.Dataset,
     """Fit one design."""
     sample = {"counts": _counts, "capacities": _capacities, "cloud": _cloud}[question.method]
     _check_some(rows, question, label)
-    points, fit, resampled = sample(rows, question, label)
+    points, fit = sample(rows, question, label)
     median, dispersion = float(fit.median[0]), float(fit.dispersion[0])
     notes = _notes(median, dispersion, points, rows)
     total = math.hypot(dispersion, question.further)
@@ -535,8 +532,8 @@ def _one(rows: xr.Dataset, question: _Question, label: str) -> tuple[xr.Dataset,
         found = found.assign(capacity=("record", points["capacity"], unit)).assign_coords(
             record=("record", points["record"])
         )
-    if resampled is not None:
-        found = _with_bands(found, resampled, question, notes)
+    if question.resamples:
+        found = _with_bands(found, fit, question, notes)
     return found, notes
 
 
@@ -544,17 +541,18 @@ def _with_bands(found: xr.Dataset, fit: Fit, question: _Question, notes: list[st
     """Add quantiles of the resamples by rank, in which infinite medians count."""
     tail, n = 0.5 * (1 - question.confidence), question.resamples
     tails = [tail, 1 - tail]
-    usable = ~np.isnan(fit.median)
+    median, dispersion = fit.median[1:], fit.dispersion[1:]
+    usable = ~np.isnan(median)
     lost = n - int(usable.sum())
     if lost:
         notes.append(f"{lost} of {n} resamples have no growing curve and are left out of the bands")
-    total = np.hypot(fit.dispersion, question.further)
+    total = np.hypot(dispersion, question.further)
     x = found["intensity"].values
     with np.errstate(invalid="ignore"):
-        curves = exceedance(x[:, None], fit.median[None, usable], total[None, usable])
+        curves = exceedance(x[:, None], median[None, usable], total[None, usable])
     # an infinite median never fails, one of 0 always
-    curves[:, np.isinf(fit.median[usable])] = 0.0
-    curves[:, fit.median[usable] == 0] = 1.0
+    curves[:, np.isinf(median[usable])] = 0.0
+    curves[:, median[usable] == 0] = 1.0
 
     def band(values: Array) -> Array:
         kept = values[..., ~np.isnan(values).reshape(-1, values.shape[-1]).any(axis=0)]
@@ -564,11 +562,11 @@ def _with_bands(found: xr.Dataset, fit: Fit, question: _Question, notes: list[st
 
     one = {"units": "1"}
     return found.assign(
-        median_band=("quantile", band(fit.median), found["median"].attrs),
-        dispersion_band=("quantile", band(fit.dispersion), one),
+        median_band=("quantile", band(median), found["median"].attrs),
+        dispersion_band=("quantile", band(dispersion), one),
         fitted_band=(("intensity", "quantile"), band(curves), one),
-        median_resampled=("resample", fit.median),
-        dispersion_resampled=("resample", fit.dispersion),
+        median_resampled=("resample", median),
+        dispersion_resampled=("resample", dispersion),
     ).assign_coords(quantile=("quantile", tails))
 
 
@@ -650,14 +648,7 @@ def _resample(question: _Question, names: npt.NDArray[Any]) -> Array:
     return np.vstack([np.ones((1, n)), drawn.astype(float)])
 
 
-def _split(fit: Fit) -> tuple[Fit, Fit | None]:
-    """Separate the sample from its resamples."""
-    return fit[:1], fit[1:] if len(fit.median) > 1 else None
-
-
-def _counts(
-    rows: xr.Dataset, question: _Question, label: str
-) -> tuple[dict[str, Any], Fit, Fit | None]:
+def _counts(rows: xr.Dataset, question: _Question, label: str) -> _Fitted:
     """Fit the counts at each intensity; resamples draw records, or binomial counts without any."""
     x, which = np.unique(rows["intensity"].values, return_inverse=True)
     if x.size < 2:
@@ -684,7 +675,7 @@ def _counts(
         exceeded, runs = (multiplicity @ counts for counts in counted)
     used = runs[0] > 0
     x, exceeded, runs = x[used], exceeded[:, used], runs[:, used]
-    fit, resampled = _split(fit_counts(x, exceeded, runs))
+    fit = fit_counts(x, exceeded, runs)
     counts = ", ".join(f"{a:g} of {b:g}" for a, b in zip(exceeded[0], runs[0], strict=True))
     if math.isnan(fit.median[0]):
         raise InputError(
@@ -702,12 +693,10 @@ def _counts(
             f"intensity {level:g}: give more levels there"
         )
     points = {"x": x, "exceeded": exceeded[0].astype(int), "runs": runs[0].astype(int)}
-    return points, fit, resampled
+    return points, fit
 
 
-def _capacities(
-    rows: xr.Dataset, question: _Question, label: str
-) -> tuple[dict[str, Any], Fit, Fit | None]:
+def _capacities(rows: xr.Dataset, question: _Question, label: str) -> _Fitted:
     """Fit the intensities at which the records reach the limit."""
     over, known = question.exceeded(rows)
     names = list(dict.fromkeys(rows["record"].values.tolist()))
@@ -727,14 +716,14 @@ def _capacities(
             "counts"
         )
     kept, logarithms, kinds = (np.array(item) for item in zip(*found, strict=True))
-    fit, resampled = _split(fit_capacities(logarithms, kinds, _resample(question, kept)))
+    fit = fit_capacities(logarithms, kinds, _resample(question, kept))
     if not 0 < fit.median[0] < math.inf:
         side = "below their lowest" if fit.median[0] == 0 else "above their highest"
         raise InputError(f"{label}: {question.label}: every capacity is {side} level")
     capacity = np.exp(logarithms)
     capacity = np.where(kinds == OVER, math.inf, np.where(kinds == BELOW, 0.0, capacity))
     points = _points(rows, question) | {"capacity": capacity, "record": kept.astype(object)}
-    return points, fit, resampled
+    return points, fit
 
 
 def _capacity(x: Array, over: Truths, demands: Array | None, limit: float) -> tuple[float, int]:
@@ -767,9 +756,7 @@ def _points(rows: xr.Dataset, question: _Question) -> dict[str, Any]:
     }
 
 
-def _cloud(
-    rows: xr.Dataset, question: _Question, label: str
-) -> tuple[dict[str, Any], Fit, Fit | None]:
+def _cloud(rows: xr.Dataset, question: _Question, label: str) -> _Fitted:
     """Fit a power law; the demand of a collapsed run lies above the limit and above its maximum."""
     _, known = question.exceeded(rows)
     demands = question.demands(rows)
@@ -790,11 +777,10 @@ def _cloud(
     weights = _resample(question, names)[:, record]
     kinds = np.where(exact, EXACT, OVER)
     fit = fit_cloud(x, np.log(y[used]), kinds, weights, math.log(question.limit))
-    first, resampled = _split(fit)
-    if not 0 < first.median[0] < math.inf:
+    if not 0 < fit.median[0] < math.inf:
         raise InputError(f"{label}: {question.quantity}: does not grow with the intensity")
     values = np.exp(x)
-    return {"x": np.geomspace(values.min(), values.max(), _POSITIONS)}, first, resampled
+    return {"x": np.geomspace(values.min(), values.max(), _POSITIONS)}, fit
 
 
 def _together(parts: list[xr.Dataset], names: list[str]) -> xr.Dataset:

@@ -177,7 +177,7 @@ class Parameter:
         """Unit of the number."""
         if self.column == SCALE:
             return "1"
-        return _row(self).unit.replace("-", "1")
+        return tables.rows_of_keys()[self.key].unit.replace("-", "1")
 
 
 def find_parameters(
@@ -241,13 +241,12 @@ def value_of(case: Case, item: Parameter) -> Array:
             f"parameters: {item.name}: the case has no &{name}, so nothing depends on {key}; add "
             f"the group, with {key} = 0 where that is allowed"
         )
+    givers = ", ".join(_givers(case, name, key) or sorted(group.given))
     if key not in group:
-        others = ", ".join(_givers(case, name, key)) or ", ".join(sorted(group.given))
         raise InputError(
-            f"parameters: {item.name}: has no value in this case, whose &{name} gives {others}"
+            f"parameters: {item.name}: has no value in this case, whose &{name} gives {givers}"
         )
     if key in group.derived:
-        givers = ", ".join(_givers(case, name, key)) or ", ".join(sorted(group.given))
         raise InputError(
             f"parameters: {item.name}: follows from the given keys of &{name}: use one of {givers}"
         )
@@ -273,7 +272,9 @@ def scale_of(item: Parameter, value: float) -> float:
     """Return the change of a parameter that counts as one."""
     if value != 0:
         return abs(value)
-    ends = re.findall(r"[-+.\deE]+", "" if item.column == SCALE else _row(item).usual)
+    ends = re.findall(
+        r"[-+.\deE]+", "" if item.column == SCALE else tables.rows_of_keys()[item.key].usual
+    )
     if len(ends) != 2:
         return 1.0
     return math.sqrt(float(ends[0]) * float(ends[1]))
@@ -317,7 +318,7 @@ def changed_entries(case: Case, item: Parameter, value: float) -> Mapping[str, d
     """Return the groups that give a parameter another value."""
     name, key = item.key
     if not item.is_list:
-        is_list = _row(item).kind.endswith("list")
+        is_list = tables.rows_of_keys()[item.key].kind.endswith("list")
         return {name: {key: [value] if is_list else value}}
     numbers = value_of(case, item)
     if item.element:
@@ -325,10 +326,6 @@ def changed_entries(case: Case, item: Parameter, value: float) -> Mapping[str, d
     else:
         numbers *= value / numbers.mean()
     return {name: {key: numbers.tolist()}}
-
-
-def _row(item: Parameter) -> tables.KeyRow:
-    return next(row for row in tables.schema() if (row.group, row.key) == item.key)
 
 
 RECORD = "record"
@@ -409,7 +406,7 @@ class Scenes:
                     else [item.values[k] for k in axis.scene_of.tolist()]
                 ),
                 dims=item.dimension,
-                attrs=({"units": item.unit} if item.unit else {}) | {"long_name": item.meaning},
+                attrs=item.attributes,
             )
             for axis in self._axes
             for item in axis.coordinates
@@ -493,7 +490,6 @@ class Lanes:
                 self.values[number, i] = chosen
                 if self._has_column[i]:
                     row[item.column] = float(chosen)
-        self._scenes = scenes
 
     def run(self, requests: Sequence[Request]) -> tuple[Array, Truths]:
         """Compute runs."""
@@ -569,8 +565,7 @@ class SuiteStatistic:
     def first(self, values: Array) -> Array:
         """Return the values of the first record."""
         known = self._records_first(values)
-        found: Array = known[(0,) * len(self._axes)]
-        return found
+        return np.asarray(known[(0,) * len(self._axes)])
 
     def of_resampled(self, values: Array) -> Iterator[Array]:
         """Compute the statistic of suites drawn with replacement."""
@@ -754,8 +749,7 @@ class Steps:
         """Return the largest of value and p dq/dp over the parameters."""
         slopes = np.where(np.isfinite(self.derivative), abs(self.derivative), 0.0)
         value = np.where(np.isfinite(self.value), abs(self.value), 0.0)
-        largest: Array = np.maximum(value, slopes.max(axis=1))
-        return largest
+        return np.asarray(np.maximum(value, slopes.max(axis=1)))
 
     def _estimate(
         self, offsets: Array, values: Array, centre: Array, factor: float, rtol: float

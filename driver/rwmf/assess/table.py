@@ -19,7 +19,7 @@ import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 
-from rwmf.case.arguments import array_of, checked, texts_of
+from rwmf.case.arguments import array_of, checked
 from rwmf.errors import InputError
 from rwmf.kernel import files
 from rwmf.kernel.files import new_file, path_of
@@ -322,9 +322,7 @@ def demand_percentiles(
     if rows.attrs.get("analysis") == "cloud":
         raise InputError("percentiles: the table is a cloud, without common levels of intensity")
     known = quantities_of(rows)
-    names = [name for name in known if not is_least(name)]
-    if quantities is not None:
-        names = texts_of("quantities", quantities)
+    names = [name for name in known if not is_least(name)] if quantities is None else quantities
     unknown = [name for name in names if name not in known]
     if unknown:
         listed = ", ".join(known) or "none"

@@ -114,14 +114,6 @@ def _axes(name: str, value: object) -> object:
     return value
 
 
-def _positive(name: str, value: object) -> float:
-    return to_number(name, value, above=0.0)
-
-
-def _positives(name: str, value: object) -> list[float]:
-    return [float(x) for x in to_array(name, value, above=0.0, least=1)]
-
-
 def _damping(name: str, value: object) -> float:
     wanted = "in [0, 1)"
     number = to_number(name, value, below=1.0, wanted=wanted)
@@ -137,8 +129,11 @@ _ROWS: tuple[tuple[Check, str], ...] = (
     (texts_of, "quantities variables"),
     (_sequence, "left_out parts records words"),
     (_mapping, "grid"),
-    (_positive, "dt peak period t_end target tolerance"),
-    (_positives, "levels omega_over_p periods T_p"),
+    (functools.partial(to_number, above=0.0), "dt peak period t_end target tolerance"),
+    (
+        lambda name, value: to_array(name, value, above=0.0, least=1).tolist(),
+        "levels omega_over_p periods T_p",
+    ),
     (to_number, "horizon limit t_begin"),
     (_damping, "damping"),
     (_part, "part"),
@@ -149,7 +144,7 @@ _ROWS: tuple[tuple[Check, str], ...] = (
     (_executor, "executor"),
     (_reports, "progress"),
     (_must_be("'g', 'm/s2' or 'cm/s2'", lambda x: isinstance(x, str) and x in UNITS), "unit"),
-    (lambda name, value: [float(x) for x in to_array(name, value, least=1)], "amplitude"),
+    (lambda name, value: to_array(name, value, least=1).tolist(), "amplitude"),
     (lambda name, value: to_whole(name, value, 0, 10**15), "chunk"),
     (lambda name, x: path_of(name, x) if not isinstance(x, str) or x else "", "folder"),
     (lambda name, value: to_whole(name, value, 1), "n"),

@@ -15,7 +15,7 @@ from rwmf.case.group import Group
 from rwmf.case.groups import TYPES, Groups
 from rwmf.case.motion import Motion
 from rwmf.case.namelist import compose, numbers_of, read_text
-from rwmf.errors import InputError, did_you_mean, without_lines
+from rwmf.errors import InputError, did_you_mean, no_line_numbers
 from rwmf.kernel import files, kernel_case, tables
 from rwmf.kernel.files import path_of
 from rwmf.kernel.numbers import Array, show, to_array, to_items
@@ -106,38 +106,24 @@ class Case(Groups):
         folder = (Path(source).parent if source else Path()).absolute()
         if origin is not None and (source or origin._record_files()):
             folder = origin._folder
-        self._put(source, folder, origin is not None, text, motions)
+        edited = origin is not None
+        self._put(source=source, folder=folder, edited=edited, text=text, motions=motions)
         known = None if origin is None else origin._kernel
         samples = {group: motion.samples for group, motion in motions.items()}
-        read = kernel_case.read_case(text, self.kernel_source(), known, samples)
-        super().__setattr__("_kernel", read)
+        self._put(kernel=kernel_case.read_case(text, self.kernel_source(), known, samples))
 
     def _assemble_entries(
         self, entries: Mapping[str, Mapping[str, object]], source: str | None, origin: Case | None
     ) -> None:
         """Have the kernel read composed text, without line numbers in messages."""
-        try:
+        with no_line_numbers():
             self._assemble(compose(entries), source, origin, _motions_of(entries))
-        except InputError as error:
-            raise InputError(without_lines(str(error))) from None
         self._kernel.has_lines = False
 
-    def _put(
-        self,
-        source: str | None,
-        folder: Path,
-        edited: bool,
-        text: str | None,
-        motions: dict[str, Motion],
-    ) -> None:
-        """Set all fields but the kernel's case; groups are made at first use."""
-        put = super().__setattr__
-        put("_source", source)
-        put("_folder", folder)
-        put("_edited", edited)
-        put("_text", text)
-        put("_motions", motions)
-        put("_kept_groups", None)
+    def _put(self, **fields: object) -> None:
+        """Set fields; groups are made at first use."""
+        for name, value in {"kept_groups": None, **fields}.items():
+            super().__setattr__(f"_{name}", value)
 
     @classmethod
     def _make(
@@ -158,9 +144,9 @@ class Case(Groups):
             # only the parser gives messages with line numbers, and only it adds a new group
             return None
         case = type(self).__new__(type(self))
-        case._put(self._source, self._folder, True, None, self._motions)
-        kernel = self._kernel.changed(found, numbers, case.label)
-        object.__setattr__(case, "_kernel", kernel)
+        origin = {"source": self._source, "folder": self._folder, "motions": self._motions}
+        case._put(edited=True, text=None, **origin)
+        case._put(kernel=self._kernel.changed(found, numbers, case.label))
         return case
 
     @property
@@ -546,11 +532,9 @@ def kernel_for_host(
     if not isinstance(case, Mapping):
         source = path_of("case", case, _NAMELIST)
         return kernel_case.read_case(read_text(source), source, is_for_host=True), source
-    try:
+    with no_line_numbers():
         text = compose(_checked_entries(case))
         return kernel_case.read_case(text, "", is_for_host=True), ""
-    except InputError as error:
-        raise InputError(without_lines(str(error))) from None
 
 
 def _checked_entries(
@@ -607,18 +591,14 @@ def _check_groups(
             if not isinstance(key, str):
                 raise InputError(f"&{name.lower()}: {show(key)}: the name of a key is a text")
             if key.lower() not in known:
-                hint = did_you_mean(key, known.values()) or _other_group(key)
+                owners = [x for x, own in tables.keys_of_groups().items() if key.lower() in own]
+                others = f", did you mean {key} of &{' or &'.join(owners)}?" if owners else ""
+                hint = did_you_mean(key, known.values()) or others
                 hint = f"{hint} Allowed" if hint else "; allowed"
                 raise InputError(
                     f"&{name.lower()}: {show(key)[1:-1]}: unknown key{hint} are "
                     f"{', '.join(known.values())}"
                 )
-
-
-def _other_group(key: str) -> str:
-    """Suggest the groups that have a key."""
-    owners = [group for group, keys in tables.keys_of_groups().items() if key.lower() in keys]
-    return f", did you mean {key} of &{' or &'.join(owners)}?" if owners else ""
 
 
 def _check_group(name: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
@@ -31,13 +32,17 @@ def total(cable: Cable, value: float | tuple[float, ...]) -> float:
     return float(sum(numbers)) * count / len(numbers)
 
 
-def heights_of_storeys(case: Case, n: int) -> list[float]:
+def heights_of_storeys(case: Case) -> list[float]:
     """Return the height of each storey, from floor to floor; a frame without storeys has one."""
-    if case.storeys is None:
-        height = height_of_frame(case)
-        return [] if height is None else [height]
-    given = case.storeys.height
-    return list(given) * (n if len(given) == 1 else 1)
+    if case.storeys is not None:
+        return list(case.storeys.height)
+    height = height_of_frame(case)
+    return [] if height is None else [height]
+
+
+def heights_of_floors(case: Case) -> list[float]:
+    """Return the height of each floor above the base."""
+    return list(accumulate(heights_of_storeys(case)))
 
 
 def height_of_frame(case: Case) -> float | None:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from rwmf.assess.pulses import equal_response, overturning_map
-from rwmf.assess.wall_effect import wall_effect
+from rwmf.assess.studies import equal_response, overturning_map, wall_effect
 from rwmf.case import Case
 from rwmf.case.arguments import case_of
 from rwmf.cli import output
@@ -37,10 +36,7 @@ def run_spectrum(options: argparse.Namespace) -> list[str | None]:
     """Compute a spectrum (``rwmf spectrum``)."""
     case = Case.from_namelist(options.case)
     case = with_grid(case, quantities=options.quantities)
-    outputs = [options.out, options.plot, *(options.checks or ())]
-    files.check_outputs(outputs, case.inputs)
-    figures.check_formats(options.plot)
-    output.check_words(case, options.checks)
+    outputs = output.check_files(options, case.inputs, case)
     with (
         progress_bar(case.kernel.ordinates()) as report,
         start_spectrum(case, options.threads, report) as sweep,
@@ -123,15 +119,9 @@ def run_sweep(options: argparse.Namespace) -> list[str] | None:
     started = time.perf_counter()
     try:
         with open_executor(options.engine, options.workers) as executor, progress() as report:
-            dataset = sweep(
-                **vars(request),
-                file=path,
-                threads=options.threads,
-                executor=executor,
-                progress=report,
-                restart=options.restart,
-                part=part,
-            )
+            further = output.chosen(options, "threads", "restart") | {"part": part}
+            further |= {"executor": executor, "progress": report}
+            dataset = sweep(file=path, **vars(request), **further)
     except Interrupted as error:
         print(f"rwmf: {error}", file=sys.stderr)
         raise
@@ -165,15 +155,13 @@ def _merge(options: argparse.Namespace) -> list[str]:
     if Path(options.out).suffix.lower() == ".csv":
         merge_csv(options.merge, options.out)
     else:
-        merge(_stores(options.merge), options.out).close()
+        for part in options.merge:
+            if not part.endswith(".journal"):
+                raise InputError(
+                    f"{part}: is no journal of rwmf sweep --part; for CSV give FILE.csv"
+                )
+        merge(options.merge, options.out).close()
     return [options.out]
-
-
-def _stores(parts: Sequence[str]) -> list[str]:
-    wrong = [part for part in parts if not part.endswith(".journal")]
-    if wrong:
-        raise InputError(f"{wrong[0]}: is no journal of rwmf sweep --part; for CSV give FILE.csv")
-    return list(parts)
 
 
 def _parse_part(word: str) -> tuple[int, int]:
@@ -190,7 +178,7 @@ _PERIODS = "0.1:3:59"
 def run_overturning(options: argparse.Namespace) -> None:
     """Map the pulses that overturn a wall (``rwmf study overturning``)."""
     case = Case.from_namelist(options.case)
-    _check(options, case.inputs)
+    output.check_files(options, case.inputs)
     levels = (options.omega, options.amplitude, options.tolerance)
     found = overturning_map(case, *levels, options.threads, progress=True)
     _finish(options, found, plots.overturning_map)
@@ -205,21 +193,13 @@ def run_wall(options: argparse.Namespace) -> None:
             if options.records
             else ()
         )
-    _check(options, [*case.inputs, *(Path(record.path) for record in records)])
+    output.check_files(options, [*case.inputs, *(Path(record.path) for record in records)])
     grid: dict[str, object] = {} if options.gamma is None else {"gamma": options.gamma}
     if options.T_s is not None or "T_s" in case.kernel.axes():
         grid["T_s"] = options.T_s or numbers(_PERIODS)
     with progress() as report:
-        found = wall_effect(
-            case,
-            grid,
-            records,
-            options.quantities,
-            unit=options.unit,
-            dt=options.dt,
-            threads=options.threads,
-            progress=report,
-        )
+        further = output.chosen(options, "quantities", "unit", "dt", "threads")
+        found = wall_effect(case, grid, records, progress=report, **further)
     _finish(options, found, plots.wall_effect)
     print("with the wall over without it:")
     for name in str(found.attrs["quantities"]).split():
@@ -232,21 +212,10 @@ def run_wall(options: argparse.Namespace) -> None:
 def run_equal_response(options: argparse.Namespace) -> None:
     """Find pulses with the same response (``rwmf study equal-response``)."""
     case = Case.from_namelist(options.case)
-    _check(options, case.inputs)
-    found = equal_response(
-        case,
-        options.T_p,
-        options.target,
-        threads=options.threads,
-        progress=True,
-        quantities=options.quantities,
-    )
+    output.check_files(options, case.inputs)
+    further = output.chosen(options, "T_p", "target", "threads", "quantities")
+    found = equal_response(case, progress=True, **further)
     _finish(options, found, plots.equal_response)
-
-
-def _check(options: argparse.Namespace, inputs: Any) -> None:  # noqa: ANN401 (several paths)
-    files.check_outputs([options.plot, options.out], inputs)
-    figures.check_formats(options.plot)
 
 
 def _finish(

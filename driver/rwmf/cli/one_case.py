@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import math
 import shlex
 from pathlib import Path
@@ -29,9 +27,10 @@ from rwmf.figures.results import pushover as draw
 from rwmf.hosts.fmu import export_fmu
 from rwmf.hosts.opensees_script import compare_with_opensees, opensees_script, run_opensees
 from rwmf.kernel import files
+from rwmf.kernel.numbers import grouped
 from rwmf.kernel.progress import progress
 from rwmf.run.pushover import pushover
-from rwmf.run.response import columns_by_key
+from rwmf.run.response import columns_by_key, marks_of
 from rwmf.run.simulation import simulate
 
 if TYPE_CHECKING:
@@ -41,8 +40,7 @@ if TYPE_CHECKING:
 def run_cost(options: argparse.Namespace) -> list[str | None]:
     """Print the cost of accuracy."""
     case = Case.from_namelist(options.case)
-    files.check_outputs([options.plot], case.inputs)
-    figures.check_formats(options.plot)
+    output.check_files(options, case.inputs)
     found = cost(case, options.target, True, options.quantities)
     if options.plot:
         with figures.drawn(options.plot, 4.2) as figure:
@@ -120,8 +118,7 @@ def run_design(options: argparse.Namespace) -> list[str]:
     files.check_outputs(options.out, case.inputs)
     namelists = [path for path in options.out if Path(path).suffix.lower() == ".nml"]
     pages = [path for path in options.out if path not in namelists]
-    for path in pages:
-        design_page.check_format_of_page(path)
+    figures.check_formats(*(path for path in pages if not design_page.is_html(path)))
     bounds, weights = _by_key("--vary", options.vary), _by_key("--cost", options.cost)
     try:
         found = design(
@@ -130,12 +127,8 @@ def run_design(options: argparse.Namespace) -> list[str]:
             options.target,
             weights,
             options.records,
-            left_out=options.left_out,
-            designs=options.designs,
-            unit=options.unit,
-            dt=options.dt,
-            threads=options.threads,
             progress=True,
+            **output.chosen(options, "left_out", "designs", "unit", "dt", "threads"),
         )
     except InputError as error:
         if bounds or options.target or weights or options.records or case.design is None:
@@ -212,12 +205,8 @@ def run_gradient(options: argparse.Namespace) -> None:
         case,
         _words(options.parameters) or None,
         _words(options.quantities) or None,
-        records=options.records,
-        statistic=options.statistic,
-        unit=options.unit,
-        dt=options.dt,
-        threads=options.threads,
         progress=True,
+        **output.chosen(options, "records", "statistic", "unit", "dt", "threads"),
     )
     if options.json:
         names = [*found.data_vars, "parameter_value", "parameter_scale"]
@@ -244,19 +233,19 @@ _KILO = 1e-3
 def run_pushover(options: argparse.Namespace) -> list[str | None]:
     """Compute a static curve (``rwmf pushover``)."""
     case = Case.from_namelist(options.case)
-    written = [options.out, options.plot, *(options.checks or ())]
-    files.check_outputs(written, case.inputs)
-    figures.check_formats(options.plot)
-    output.check_words(case, options.checks)
+    written = output.check_files(options, case.inputs, case)
     if options.run_too and not options.plot:
         raise InputError("--run: needs a figure for the hysteresis, --out FILE.png")
-    wanted = {} if options.drifts is None else {"drifts": options.drifts}
-    curve = pushover(
-        case, pattern=options.pattern, forces=options.forces, steps=options.steps, **wanted
-    )
+    wanted = output.chosen(options, "pattern", "forces", "steps")
+    wanted |= {} if options.drifts is None else {"drifts": options.drifts}
+    curve = pushover(case, **wanted)
     if options.out:
         files.write_bytes(options.out, _table(curve).encode())
-    history = _history(case) if options.run_too else None
+    history = None
+    if options.run_too:
+        dt = max(case.solver.t_end / _POINTS, np.finfo(float).tiny)
+        wanted_too = {"dt": dt, "reactions": True, "conditioning": False}
+        history = simulate(case.replace(output=wanted_too))
     figures.draw_into(
         options.plot, 3.8, lambda figure: draw(curve, figure.subplots(), history=history)
     )
@@ -281,34 +270,21 @@ def _checks(case: Case, curve: xr.Dataset, options: argparse.Namespace) -> Check
         return None
 
 
-def _history(case: Case) -> xr.Dataset:
-    """Simulate the case with a history of its base shear."""
-    dt = max(case.solver.t_end / _POINTS, np.finfo(float).tiny)
-    return simulate(case.replace(output={"dt": dt, "reactions": True, "conditioning": False}))
-
-
 def _table(curve: xr.Dataset) -> str:
     """Return the rows of the curve as CSV; the last column names the marks of a row."""
     columns = columns_by_key(curve)
-    marks: dict[int, list[str]] = {}
-    for name, step in zip(curve["mark"].values, curve["mark_step"].values, strict=True):
-        marks.setdefault(int(step), []).append(str(name))
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["step", *columns, "marks"])
-    for i, row in enumerate(zip(*columns.values(), strict=True)):
-        writer.writerow([i, *[repr(float(value)) for value in row], " ".join(marks.get(i, []))])
-    return text.getvalue()
+    marks = grouped(marks_of(curve), lambda mark: mark[1])
+    rows = [
+        [i, *map(float, row), " ".join(name for name, *_ in marks.get(i, []))]
+        for i, row in enumerate(zip(*columns.values(), strict=True))
+    ]
+    return files.csv_text([["step", *columns, "marks"], *rows])
 
 
 def _plain(curve: xr.Dataset) -> dict[str, object]:
     marks = [
-        {"name": str(name), "step": int(step), "roof_drift": float(drift)}
-        for name, step, drift in zip(
-            curve["mark"].values, curve["mark_step"].values, curve["mark_roof_drift"].values,
-            strict=True,
-        )
-    ]  # fmt: skip
+        {"name": name, "step": step, "roof_drift": drift} for name, step, drift in marks_of(curve)
+    ]
     warnings = curve.attrs["warnings"].splitlines()
     return {**curve.attrs, "warnings": warnings, "marks": marks, **columns_by_key(curve)}
 
@@ -330,10 +306,10 @@ def _lines(curve: xr.Dataset) -> list[str]:
     ]
     seen = set()
     rows = [("largest base shear", int(np.argmax(np.abs(shear)))), ("end", len(drift) - 1)]
-    for name, step in zip(curve["mark"].values, curve["mark_step"].values, strict=True):
+    for name, step, _ in marks_of(curve):
         # the table of checks has the drifts of limits
-        if name not in seen and not str(name).startswith(OF_LIMIT):
-            rows.append((words_of_mark(str(name)), int(step)))
+        if name not in seen and not name.startswith(OF_LIMIT):
+            rows.append((words_of_mark(name), step))
         seen.add(name)
     for words, i in sorted(rows, key=lambda row: row[1]):
         lines.append(f"{words:34s}{100 * drift[i]:15.6g}{shear[i]:19.6g}{turning[i]:19.6g}")

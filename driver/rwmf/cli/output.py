@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 import sys
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from rwmf.case import Case
 from rwmf.errors import InputError, RwmfWarning
+from rwmf.kernel import files
 from rwmf.kernel.numbers import to_json
 
 if TYPE_CHECKING:
@@ -29,6 +31,26 @@ def check_words(case: Case, paths: Sequence[str] | None) -> None:
         from rwmf.figures.image_files import check_formats
 
         check_formats(*(path for path in paths if not _is_csv(path)))
+
+
+def check_files(
+    options: argparse.Namespace, inputs: Iterable[str | Path], case: Case | None = None
+) -> list[str | None]:
+    """List the files that a command writes; refuse impossible ones before its computation."""
+    from rwmf.figures.image_files import check_formats
+
+    out = options.out if isinstance(options.out, list) else [options.out]
+    found = [*out, options.plot, *(getattr(options, "checks", None) or ())]
+    files.check_outputs(found, inputs)
+    check_formats(options.plot)
+    if case is not None:
+        check_words(case, options.checks)
+    return found
+
+
+def chosen(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Return options as arguments of the same names."""
+    return {name: getattr(options, name) for name in names}
 
 
 def compare(
@@ -133,17 +155,13 @@ def _print_one(found: xr.Dataset) -> None:
 def _line(cell: xr.Dataset) -> str:
     """Return the numbers of a line; a kink is named."""
     slope = float(cell["derivative"])
-    relative = slope * float(cell["parameter_scale"])
+    relative, reach = slope * float(cell["parameter_scale"]), float(cell["valid_within"])
     numbers = [
         f"{float(cell['parameter_value']):.6g}",
         f"{slope:.8g}",
         f"{float(cell['error']):.1e}",
         f"{relative:.6g}",
-        _share(float(cell["valid_within"])),
+        "nan" if math.isnan(reach) else f"{100 * reach:.3g} %",
     ]
     text = "".join(f"{'-' if number == 'nan' else number:>{_WIDTH}s}" for number in numbers)
     return text + ("  kink" if bool(cell["is_kink"]) else "")
-
-
-def _share(value: float) -> str:
-    return "-" if math.isnan(value) else f"{100 * value:.3g} %"

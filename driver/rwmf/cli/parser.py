@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from rwmf._renamed import renamed
 from rwmf.cli.command_table import COMMANDS, GROUPS, Command
+from rwmf.cli.words import Kept
 from rwmf.kernel.names import shorten
 
 _DESCRIPTION = "Dynamic response of post-tensioned rocking wall-moment frames."
@@ -76,7 +78,7 @@ def make_parser(arguments: Sequence[str] | None = None) -> argparse.ArgumentPars
     parser.add_argument(
         "--completion",
         action=_Show,
-        make=_completion,
+        make=lambda shell: _fish() if shell == "fish" else _bash(is_zsh=shell == "zsh"),
         choices=_SHELLS,
         help='print the completion of a shell: eval "$(rwmf --completion bash)"',
     )
@@ -121,23 +123,17 @@ def _listed() -> str:
     return "\n".join(lines)
 
 
-class _Show(argparse.Action):
+class _Show(Kept):
     """Print the text that a function makes of the option's value, and end."""
 
     def __init__(self, make: Callable[[Any], str], **settings: Any) -> None:  # noqa: ANN401 (of argparse)
         super().__init__(default=argparse.SUPPRESS, **settings)
         self._make = make
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,  # noqa: ANN401 (a word, or an empty list)
-        option_string: str | None = None,
-    ) -> None:
+    def keep(self, namespace: argparse.Namespace, values: Any) -> None:  # noqa: ANN401
         """Print."""
         print(self._make(values))
-        parser.exit()
+        sys.exit()
 
 
 def _version(_: object) -> str:
@@ -145,11 +141,6 @@ def _version(_: object) -> str:
     from rwmf.kernel.identity import identity
 
     return f"rwmf {identity()}"
-
-
-def _completion(shell: str) -> str:
-    """List the words that a shell completes."""
-    return _fish() if shell == "fish" else _bash(is_zsh=shell == "zsh")
 
 
 def _options(command: Command) -> str:

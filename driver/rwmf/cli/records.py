@@ -10,11 +10,10 @@ from typing import Any
 
 import rwmf
 from rwmf.case import Motion
-from rwmf.cli.output import print_json, print_warnings, printed_warnings
+from rwmf.cli.output import check_files, chosen, print_json, print_warnings, printed_warnings
 from rwmf.errors import InputError, OutputError
 from rwmf.figures import image_files as figures
 from rwmf.figures.ground import draw_records, draw_selection
-from rwmf.kernel import files
 from rwmf.kernel.progress import progress
 from rwmf.motion import records
 from rwmf.motion.intensity import G
@@ -47,8 +46,7 @@ def export(options: argparse.Namespace) -> None:
 
 def info(options: argparse.Namespace) -> list[str | None]:
     """Describe records (``rwmf records info``)."""
-    files.check_outputs([options.plot], options.files)
-    figures.check_formats(options.plot)
+    check_files(options, options.files)
     found = [
         item for file in options.files for item in describe(Path(file), options.unit, options.dt, G)
     ]
@@ -86,10 +84,9 @@ def convert(options: argparse.Namespace) -> list[str | None]:
     """Write a channel as columns, corrected by explicit steps (``rwmf records convert``)."""
     if options.out is None:
         raise InputError("records convert: needs --out FILE")
-    files.check_outputs([options.out, options.plot], [options.record])
-    figures.check_formats(options.plot)
-    raw = records.read(options.record, unit=options.unit, dt=options.dt, channel=options.channel)
-    steps = {name: getattr(options, name) for name in ("resample", "baseline", "taper", "band")}
+    check_files(options, [options.record])
+    raw = records.read(options.record, **chosen(options, "unit", "dt", "channel"))
+    steps = chosen(options, "resample", "baseline", "taper", "band")
     if any(step is not None for step in steps.values()):
         found = records.process(raw, **steps, poles=options.poles)
         crc = zlib.crc32(Path(options.record).read_bytes())
@@ -127,20 +124,15 @@ def _write(motion: Motion, options: argparse.Namespace, header: Sequence[str]) -
 
 def select(options: argparse.Namespace) -> list[str | None]:
     """Choose records and scale them to a target spectrum (``rwmf records select``)."""
-    files.check_outputs([options.out, options.plot], [options.target])
-    figures.check_formats(options.plot)
+    check_files(options, [options.target])
     with printed_warnings(options.target), progress("record") as report:
         found = choose(
             options.records,
             options.target,
             options.band,
-            options.n,
-            limits=options.limits,
-            damping=options.damping,
             is_paired=options.pairs,
             progress=report,
-            unit=options.unit,
-            dt=options.dt,
+            **chosen(options, "n", "limits", "damping", "unit", "dt"),
         )
     if options.out:
         found.write(options.out)

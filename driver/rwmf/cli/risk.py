@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,7 +14,7 @@ import rwmf
 from rwmf.assess.annual import hazard_of, unit_of
 from rwmf.assess.loss import loss_quantities, nrml_text, write_pelicun
 from rwmf.assess.table import quantities_of, write_dataset
-from rwmf.cli.output import print_json, print_warnings, printed_warnings
+from rwmf.cli.output import check_files, chosen, print_json, print_warnings, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.figures import image_files as figures
@@ -38,12 +37,8 @@ _NOT_IN_MODEL = (
 
 def ida(options: argparse.Namespace) -> Written:
     """Run an incremental dynamic analysis (``rwmf ida``)."""
-
-    def run(*args: Any, **further: Any) -> xr.Dataset:  # noqa: ANN401 (of the analysis)
-        limits = dict(options.limits)
-        further |= {"tolerance": options.tolerance, "highest": options.highest, "limits": limits}
-        return rwmf.ida(*args, **further | {"levels": options.levels})
-
+    search = chosen(options, "levels", "tolerance", "highest")
+    run = partial(rwmf.ida, limits=dict(options.limits), **search)
     return _analyse("ida", options, run)
 
 
@@ -64,10 +59,8 @@ def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.D
         records = find_records(options.records, unit=options.unit, dt=options.dt)
     inputs = [path for case in cases for path in case.inputs]
     inputs += [Path(record.path) for record in records if record.path]
-    files.check_outputs([options.plot, options.out], inputs)
-    figures.check_formats(options.plot)
-    further: dict[str, Any] = {name: getattr(options, name) for name in _SHARED}
-    further["file"] = options.out
+    check_files(options, inputs)
+    further = chosen(options, *_SHARED) | {"file": options.out}
     names = options.quantities
     if names is None and options.pelicun:
         names = loss_quantities(cases[0])
@@ -86,19 +79,15 @@ def _analyse(analysis: str, options: argparse.Namespace, run: Callable[..., xr.D
 
 def fit(options: argparse.Namespace) -> Written:
     """Fit fragility curves (``rwmf fragility``)."""
-    _check_outputs(options, [*options.tables])
+    check_files(options, options.tables)
     factor = None if options.shape_factor is None else _shape_factor(options.shape_factor)
     curves = rwmf.fragility(
         options.tables,
         options.limit,
         options.quantities and [options.quantities],
-        method=options.method,
         dispersions=options.dispersions or (),
-        mce=options.mce,
         shape_factor=factor,
-        resamples=options.resamples,
-        confidence=options.confidence,
-        seed=options.seed,
+        **chosen(options, "method", "mce", "resamples", "confidence", "seed"),
     )
     names = [
         "median", "median_band", "dispersion", "dispersion_band", "dispersion_total",
@@ -119,7 +108,7 @@ def fit(options: argparse.Namespace) -> Written:
 def integrate(options: argparse.Namespace) -> Written:
     """Compute annual frequencies (``rwmf risk``)."""
     inputs = [word for word in (options.fragility, options.hazard) if Path(word).is_file()]
-    _check_outputs(options, inputs)
+    check_files(options, inputs)
     fragility = _read_fragility(options.fragility)
     hazard = hazard_of(_pair("--hazard", options.hazard) or options.hazard, unit_of(fragility))
     found = rwmf.risk(fragility, hazard, levels=options.levels)
@@ -134,12 +123,6 @@ def integrate(options: argparse.Namespace) -> Written:
             left.set_xlabel(plots.intensity_label(found.attrs))
             plots.deaggregation(found, right)
     return [options.out, options.plot]
-
-
-def _check_outputs(options: argparse.Namespace, inputs: list[str]) -> None:
-    out = options.out if isinstance(options.out, list) else [options.out]
-    files.check_outputs([options.plot, *out], inputs)
-    figures.check_formats(options.plot)
 
 
 def _pair(option: str, word: str) -> tuple[float, float] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -20,7 +21,25 @@ _FIGURE = re.compile(r"(avif|eps|jpe?g|pdf|pgf|png|ps|svgz?|tiff?|webp)", re.IGN
 _T = TypeVar("_T")
 
 
-class Parts(argparse.Action):
+class Kept(argparse.Action):
+    """An option whose values are kept in another way than under its name."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,  # noqa: ANN401 (of the type)
+        option_string: str | None = None,
+    ) -> None:
+        """Keep the values."""
+        self.keep(namespace, values)
+
+    @abstractmethod
+    def keep(self, namespace: argparse.Namespace, values: Any) -> None:  # noqa: ANN401
+        """Keep values of the option."""
+
+
+class Parts(Kept):
     """Keep the parts of one word as attributes.
 
     Attributes
@@ -35,19 +54,13 @@ class Parts(argparse.Action):
         values = settings["type"](default) if default else [None] * len(parts)
         self.further = dict(zip(parts, values, strict=True))
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,  # noqa: ANN401 (of the type)
-        option_string: str | None = None,
-    ) -> None:
+    def keep(self, namespace: argparse.Namespace, values: Any) -> None:  # noqa: ANN401
         """Set all parts."""
         for name, value in zip(self.further, values, strict=True):
             setattr(namespace, name, value)
 
 
-class Outputs(argparse.Action):
+class Outputs(Kept):
     """Keep a file as ``out``, a figure by its suffix as ``plot``; one of each, or a list of files.
 
     Attributes
@@ -61,25 +74,17 @@ class Outputs(argparse.Action):
         self.has_data = has_data
         self.further = {"out": self.default, "plot": None}
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,  # noqa: ANN401 (a text)
-        option_string: str | None = None,
-    ) -> None:
+    def keep(self, namespace: argparse.Namespace, values: str) -> None:
         """Add a file."""
         is_figure = not self.has_data or _FIGURE.fullmatch(values.rpartition(".")[2]) is not None
         name = "plot" if is_figure else "out"
         before = getattr(namespace, name)
         if is_figure:
             written_file(values)
-        if isinstance(before, list):
-            values = [*before, values]
-        elif before is not None:
+        if before is not None and not isinstance(before, list):
             kinds = "one file and one figure" if self.has_data else "one figure"
             raise argparse.ArgumentError(self, f"allowed is {kinds}")
-        setattr(namespace, name, values)
+        setattr(namespace, name, values if before is None else [*before, values])
 
 
 def _must_be(wanted: str) -> Callable[[Callable[[str], _T]], Callable[[str], _T]]:

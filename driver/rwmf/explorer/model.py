@@ -15,13 +15,15 @@ import re
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rwmf.case import Case
+from rwmf.case.case import groups_of_wall
 from rwmf.case.elements import heights_of_storeys, total
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.explorer.controls import describe
@@ -35,7 +37,7 @@ from rwmf.explorer.questions import (
 )
 from rwmf.figures import levels, loops
 from rwmf.figures.film import ground_displacement
-from rwmf.kernel import results, tables
+from rwmf.kernel import results
 from rwmf.kernel.numbers import Array, to_json
 from rwmf.motion.records import RECORDS
 from rwmf.run.headline import headline_rows, rows_by_title, tendon_yield_of
@@ -211,17 +213,10 @@ _SHOWN = re.compile(
 )
 # heights over that of the wall at which its deflected shape is drawn
 _SHARE = np.linspace(0.0, 1.0, 25)
-# groups that a frame without a wall cannot have
-_NOT_BARE = ("output", "spectrum", "cable", "impact", "initial")
+# groups that a frame without a wall does not get, beside those of the wall
+_NOT_BARE = ("output", "spectrum")
 # counters that depend on the requested outputs or on the machine
 _NOT_KEY_NUMBERS = ("warnings", "effects", "method", "rtol", "seconds", "rhs_evaluations")
-
-
-class _Record(NamedTuple):
-    """A record uploaded by the page."""
-
-    path: Path
-    base: Case
 
 
 def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
@@ -260,7 +255,7 @@ class Model:
     def __init__(self, case: Case, folder: Path) -> None:
         self._folder = folder
         self._case = case
-        self._records: OrderedDict[str, _Record] = OrderedDict()
+        self._record = lru_cache(maxsize=_KEPT_RECORDS)(self._read_record)
         self._alone: OrderedDict[str, Array] = OrderedDict()
         # one processor stays free for the browser, which draws during the next computation
         self._threads = max(1, (os.cpu_count() or 2) - 1)
@@ -291,13 +286,15 @@ class Model:
             answer["ground"] = _pack(ground)
         lift_offs = events["t"][events["kind"] == "lift_off"]
         profile = _profile_of(shown, summary)
+        both = zip(profile["drift"], profile["yield"], strict=False)
+        yields = [peak > level for peak, level in both]
         t_lift_off = float(lift_offs[0]) if lift_offs.size else None
         return answer | {
             "profile": profile,
             "numbers": _key_numbers(summary),
             "headline": list(headline_rows(summary, tendon_yield_of(shown)).items()),
             "groups": _groups_of(summary),
-            "captions": captions_of(shown, summary, t_lift_off, _yields(profile)),
+            "captions": captions_of(shown, summary, t_lift_off, yields),
             "method": f"{summary['method']}, rtol = {summary['rtol']:g}",
             "warnings": [*_early_end(case), *summary["warnings"]],
             "namelist": self._namelist(case, question.record),
@@ -380,33 +377,26 @@ class Model:
     def _case_of(self, question: Question) -> Case:
         if not question.record:
             return case_of(question, self._case)
-        return case_of(question, self._record(question.record).base)
+        return case_of(question, self._record(question.record))
 
     def _keys_of(self, number: str) -> Path:
         """Return the file with the keys of &motion for a record."""
         return self._folder / f"{number}.json"
 
-    def _record(self, number: str) -> _Record:
-        if number in self._records:
-            self._records.move_to_end(number)
-            return self._records[number]
+    def _read_record(self, number: str) -> Case:
         keys = self._keys_of(number)
         if not keys.exists():
             raise BadQuestionError("there is no such record: upload it again")
         (path,) = keys.with_suffix("").iterdir()
         motion = json.loads(keys.read_text(encoding="ascii")) | {"file": str(path)}
-        base = self._case.replace(vertical=None, motion=None).replace(motion=motion)
-        self._records[number] = _Record(path, base)
-        if len(self._records) > _KEPT_RECORDS:
-            self._records.popitem(last=False)
-        return self._records[number]
+        return self._case.replace(vertical=None, motion=None).replace(motion=motion)
 
     def _namelist(self, case: Case, record: str) -> str:
         text = case.to_namelist()
         # records in the server's folder are saved beside the namelist
         files = [*self._folder.glob("case_*.txt")]
         if record:
-            files.append(self._record(record).path)
+            files.append(Path(self._record(record).motion.file))
         for path in files:
             text = text.replace(_quoted(str(path)), _quoted(path.name))
         return text
@@ -426,7 +416,7 @@ class Model:
     def _comparison(self, question: Question, case: Case, key: str, poll: Poll) -> str:
         """Compare the case with its frame alone, at its own period."""
         own = _period_of(case)
-        if own is None or "wall" not in question.groups:
+        if own is None:
             return ""
         period = np.array([own])
         alone = self._frame_alone(question, case, period, key, poll)
@@ -441,8 +431,7 @@ class Model:
         """Return the curve of the frame without a wall; it depends on few keys."""
         if "wall" not in question.groups or "frame" not in question.groups:
             return None
-        gone = [name for name, needs in tables.needs_of_groups().items()
-                if name in _NOT_BARE or "wall" in needs or name == "wall"]  # fmt: skip
+        gone = {*_NOT_BARE, *groups_of_wall()}
         changes: dict[str, dict[str, Any] | None] = dict.fromkeys(gone)
         left = {name: keys for name, keys in question.groups.items() if name not in gone}
         changes["frame"] = {"gamma": None}
@@ -452,16 +441,13 @@ class Model:
         left["frame"] = {name: x for name, x in left["frame"].items() if name not in
                          ("gamma", "T_s")}  # fmt: skip
         name = json.dumps(same)
-        if name in self._alone:
-            self._alone.move_to_end(name)
-            return self._alone[name]
-        try:
-            bare = case.replace(**changes)
-            values, _ = self._row_of(bare, periods, key, poll)
-        except (InputError, NumericalError):
-            # a quantity of the wall, or storeys that need a wall
-            return None
-        self._alone[name] = values
+        if name not in self._alone:
+            try:
+                self._alone[name], _ = self._row_of(case.replace(**changes), periods, key, poll)
+            except (InputError, NumericalError):
+                # a quantity of the wall, or storeys that need a wall
+                return None
+        self._alone.move_to_end(name)
         if len(self._alone) > _KEPT:
             self._alone.popitem(last=False)
         return self._alone[name]
@@ -527,17 +513,15 @@ def _groups_of(summary: dict[str, Any]) -> list[list[Any]]:
 def _profile_of(case: Case, summary: dict[str, Any]) -> dict[str, list[float]]:
     """Return heights, peak drifts, drifts at first yield and peak accelerations of the storeys."""
     floors = sum(bool(re.fullmatch(r"floor_\d+_acceleration_max_g", key)) for key in summary)
-    heights = heights_of_storeys(case, floors)
+    heights = heights_of_storeys(case)
     if not floors or not heights:
         return {"heights": [], "drift": [], "yield": [], "acceleration": []}
-    if case.storeys is None:
-        drift = [float(summary["u_s_max_m"]) / heights[0]]
-    else:
-        drift = [float(summary[f"storey_{i + 1}_drift_max"]) for i in range(floors)]
     named: Any = {find(key).name or key: value for key, value in summary.items()}
     if case.storeys is None:
+        drift = [float(summary["u_s_max_m"]) / heights[0]]
         first = levels.levels_of_frame(named, case).first_yield / heights[0]
     else:
+        drift = [float(summary[f"storey_{i + 1}_drift_max"]) for i in range(floors)]
         first = levels.levels_of_storeys(named, case, floors).first_yield
     return {
         "heights": heights,
@@ -547,33 +531,20 @@ def _profile_of(case: Case, summary: dict[str, Any]) -> dict[str, list[float]]:
     }
 
 
-def _yields(profile: dict[str, list[float]]) -> list[bool]:
-    """Check for each storey whether it passes its first yield."""
-    return [peak > level for peak, level in zip(profile["drift"], profile["yield"], strict=False)]
-
-
 def _loops_of(columns: dict[str, Array], case: Case) -> list[dict[str, str]]:
     """Return the loops of the springs, in kN where masses are known."""
-    return [
-        {
-            "spring": loop.spring,
-            "kind": loop.kind,
-            "displacement": _pack(loop.displacement),
-            "force": _pack(loop.force if loop.newtons is None else 1e-3 * loop.newtons),
-            "label": _FORCES[loop.kind] if loop.newtons is None else "force [kN]",
-        }
-        for loop in loops.springs_of(columns, case)
-    ]
+    found = []
+    for loop in loops.springs_of(columns, case):
+        force, label = loop.force, _FORCES.get(loop.kind, "F/(m_w g) [-]")
+        if loop.newtons is not None:
+            force, label = 1e-3 * loop.newtons, "force [kN]"
+        packed = {"displacement": _pack(loop.displacement), "force": _pack(force)}
+        found.append({"spring": loop.spring, "kind": loop.kind, "label": label} | packed)
+    return found
 
 
-_FORCES = {
-    "frame": "F_s/(m_s g) [-]",
-    "storey": "V/(m_w g) [-]",
-    "cable": "P/(m_w g) [-]",
-    "fuse": "F/(m_w g) [-]",
-    "coupling": "F/(m_w g) [-]",
-    "restraint": "F/(m_w g) [-]",
-}
+# labels of forces; others are F/(m_w g)
+_FORCES = {"frame": "F_s/(m_s g) [-]", "storey": "V/(m_w g) [-]", "cable": "P/(m_w g) [-]"}
 
 
 def _scene_of(case: Case) -> dict[str, Any]:

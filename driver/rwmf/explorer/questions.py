@@ -102,17 +102,15 @@ def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any: 
         if number != math.floor(number) or abs(number) >= 2**31:
             raise BadQuestionError(f"{name}: must be a whole number")
         return int(number)
-    if kind == "logical":
-        if not isinstance(value, bool):
-            raise BadQuestionError(f"{name}: must be true or false")
-        return value
-    if kind == "choice":
-        if value not in words:
-            raise BadQuestionError(f"{name}: must be one of {', '.join(words)}")
-        return value
-    if kind == "text":
-        if not isinstance(value, str) or not _WORD.fullmatch(value):
-            raise BadQuestionError(f"{name}: must be a word")
+    single = {
+        "logical": (isinstance(value, bool), "true or false"),
+        "choice": (value in words, f"one of {', '.join(words)}"),
+        "text": (isinstance(value, str) and _WORD.fullmatch(value) is not None, "a word"),
+    }
+    if kind in single:
+        is_good, wanted = single[kind]
+        if not is_good:
+            raise BadQuestionError(f"{name}: must be {wanted}")
         return value
     if not isinstance(value, list) or not value:
         raise BadQuestionError(f"{name}: must be a list")
@@ -147,15 +145,12 @@ def case_of(question: Question, base: Case) -> Case:
         new |= {key: value for key, value in keys.items() if key not in old or old[key] != value}
         # the page must not set the name of a record's file, but may omit it
         has_file = name in base.groups and bool(base.groups[name].get("file"))
-        if has_file and not _has_record(name, keys):
+        names_file = keys.get("kind") == "record" if name == "motion" else "ratio" not in keys
+        if has_file and not names_file:
             new["file"] = None
         if new or name not in before:
             changes[name] = new
     return base.replace(**changes) if changes else base
-
-
-def _has_record(name: str, keys: Mapping[str, object]) -> bool:
-    return keys.get("kind") == "record" if name == "motion" else "ratio" not in keys
 
 
 _FOLDER = Path(__file__).parent / "presets"

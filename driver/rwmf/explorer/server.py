@@ -28,6 +28,7 @@ import traceback
 import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -35,7 +36,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from rwmf.case import Case
 from rwmf.case.arguments import case_of, checked
-from rwmf.errors import InputError, OutputError, RwmfError
+from rwmf.errors import OutputError, RwmfError
 from rwmf.explorer.model import as_files, encode, start
 from rwmf.explorer.questions import FIRST, BadQuestionError, case_of_preset, read
 from rwmf.explorer.workers import BrokenError, BusyError, Workers
@@ -362,16 +363,12 @@ class _Handler(BaseHTTPRequestHandler):
             answer = encode({path.name: path.read_text(encoding="ascii") for path in server.made})
         elif url.path in ("/api/history", "/api/spectrum", "/api/cost"):
             question = read(_json(self._body(_MOST_QUESTION)))
-            if url.path == "/api/cost":
-                self._stream(
-                    lambda report: server.workers.ask(
-                        "cost", (question,), self._check_connection, report
-                    )
-                )
+            name = url.path.removeprefix("/api/")
+            ask = partial(server.workers.ask, name, (question,), self._check_connection)
+            if name == "cost":
+                self._stream(ask)
                 return
-            answer = server.workers.ask(
-                url.path.removeprefix("/api/"), (question,), self._check_connection
-            )
+            answer = ask()
         else:
             raise _RefusedError(404, "there is no such question")
         self._send(200, "application/json", answer)
@@ -589,8 +586,6 @@ def explore(
     OutputError
         When the port cannot be used.
     """
-    if not 0 <= port <= 65535:
-        raise InputError(f"port = {port}: must be in [0, 65535]")
     case = case_of_preset(FIRST.name) if case is None else case_of(case)
     if in_notebook():
         return NotebookPage(PageServer(case, port, in_frame=True))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rwmf.case.namelist import compose
-from rwmf.figures.image_files import check_format, drawn
+from rwmf.figures.image_files import drawn
 from rwmf.figures.styles import INK, legend_above, new_figure, plain, series
 from rwmf.kernel import files
 from rwmf.kernel.names import readable
@@ -36,15 +36,14 @@ _CHECKS, _PAGE = 1.2, 9.5
 _MARGIN, _LINE = 0.05, 0.0165
 
 
-def check_format_of_page(path: str | None) -> None:
-    """Refuse a page whose format is unknown, before anything is computed."""
-    if path is not None and Path(path).suffix.lower() != ".html":
-        check_format(path)
+def is_html(path: str | os.PathLike[str]) -> bool:
+    """Tell a page in HTML from one that is drawn."""
+    return Path(path).suffix.lower() == ".html"
 
 
 def write(found: Design, path: str | os.PathLike[str], commands: Sequence[str] = ()) -> None:
     """Write the page of a design."""
-    if Path(path).suffix.lower() == ".html":
+    if is_html(path):
         files.write_bytes(path, readable(_html(found, commands)).encode())
         return
     with drawn(path, _PAGE) as figure:

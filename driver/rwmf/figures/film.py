@@ -18,7 +18,8 @@ from rwmf.figures import levels
 from rwmf.figures.histories import members
 from rwmf.figures.styles import COLOURS, GREY, INK, PALE, new_figure
 from rwmf.kernel import files
-from rwmf.kernel.numbers import Array, Truths
+from rwmf.kernel.numbers import Array, Truths, grouped
+from rwmf.run.quantities import ENDINGS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,7 +76,7 @@ def find_building(case: Case, dataset: xr.Dataset) -> Building | None:
         first, heights = levels.levels_of_frame(dataset, case).first_yield, np.ones(1)
     else:
         drifts = np.array([dataset[name].values for name in members(dataset, "storey_{i}_drift")])
-        heights = np.broadcast_to(np.array(case.storeys.height, dtype=float), len(drifts))
+        heights = np.array(case.storeys.height)
         floors = np.cumsum(heights)
         first = levels.levels_of_storeys(dataset, case, len(drifts)).first_yield
     sway = np.cumsum(drifts * heights[:, np.newaxis], axis=0)
@@ -105,31 +106,26 @@ class BuildingLines:
         building = self._building
         x = ground + np.concatenate(([0.0], self._sway[:, i]))
         z = np.concatenate(([0.0], building.levels))
-        left, right = self._feet
         columns: tuple[list[Array], list[Array]] = ([], [])
-        hinges: list[Array] = []
         for k, yields in enumerate(building.has_yielded[:, i]):
             column_axis = np.stack(
                 (x[k] + (x[k + 1] - x[k]) * _BENT, z[k] + (z[k + 1] - z[k]) * _COLUMN), axis=1
             )
-            for foot in (left, right):
-                column = column_axis + np.array([foot, 0.0])
-                columns[int(yields)].extend((column, _GAP))
-                hinges.extend([column[[1, -2]]] if yields else [])
+            columns[int(yields)].extend(column_axis + np.array([foot, 0.0]) for foot in self._feet)
         for line, parts in ((self._columns, columns[0]), (self._yielded, columns[1])):
             line.set_data(*_joined(parts))
-        self._hinges.set_data(*_joined(hinges))
+        hinges = [column[[1, -2]] for column in columns[1]]
+        self._hinges.set_data(*np.reshape(hinges, (-1, 2)).T)
         ends = [
-            np.array([[left + u, h], [right + u, h]]) for u, h in zip(x[1:], z[1:], strict=True)
+            np.column_stack((self._feet + u, [h, h])) for u, h in zip(x[1:], z[1:], strict=True)
         ]
-        self._floors.set_data(*_joined([part for end in ends for part in (end, _GAP)]))
+        self._floors.set_data(*_joined(ends))
         if face is not None:
             along = np.linspace(0.0, z[-1], len(face))
             links = [
-                part
+                np.concatenate((end[1:], _at_height(face, along, end[1, 1])))
                 for end, is_linked in zip(ends, building.linked, strict=True)
                 if is_linked
-                for part in (end[1:], _at_height(face, along, end[1, 1]), _GAP)
             ]
             self._links.set_data(*_joined(links))
 
@@ -140,8 +136,9 @@ def _at_height(face: Array, along: Array, height: float) -> Array:
 
 
 def _joined(parts: list[Array]) -> Array:
-    """Join the points of several parts into one line; shape (2, points)."""
-    return np.concatenate(parts).T if parts else np.empty((2, 0))
+    """Join the points of several parts into one line with gaps; shape (2, points)."""
+    found = [item for part in parts for item in (part, _GAP)]
+    return np.concatenate([np.empty((0, 2)), *found]).T
 
 
 FORMATS = ("gif", "webp", "mp4")
@@ -158,8 +155,7 @@ _VISIBLE = 0.12
 _FACE = np.linspace(0.0, 1.0, 41)
 # duration of the mark of an impact [s]
 _FLASH = 0.12
-# events that end the motion, and the duration of the last picture [s]
-_FALLEN = ("overturned", "collapsed")
+# duration of the last picture of a motion that has ended early [s]
 _LAST = 1.0
 
 
@@ -325,8 +321,7 @@ def _deflections(case: Case, dataset: xr.Dataset, share: Array) -> Array:
         return np.zeros((share.size, dataset.sizes["time"]))
     numbers = range(1, case.bending.modes + 1)
     modes = np.array([dataset[f"q_{i}"].values for i in numbers])
-    found: Array = levels.mode_shapes(case, share) @ modes
-    return found
+    return np.asarray(levels.mode_shapes(case, share) @ modes)
 
 
 def _drawn_sway(case: Case, dataset: xr.Dataset, building: Building, scale: Scale) -> Array:
@@ -374,8 +369,7 @@ def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
     sine, cosine = np.sin(theta), np.cos(theta)
     turn = np.array([[cosine, sine], [-sine, cosine]])
     upright = np.array([[-b, 0.0], [b, 0.0], [b, 2 * h], [-b, 2 * h]])
-    turned: Array = pivot + (upright - pivot) @ turn.T
-    return turned
+    return np.asarray(pivot + (upright - pivot) @ turn.T)
 
 
 def ground_displacement(t: Array, acceleration: Array) -> Array:
@@ -383,8 +377,7 @@ def ground_displacement(t: Array, acceleration: Array) -> Array:
     velocity = _integrate(t, acceleration)
     displacement = _integrate(t, velocity)
     duration = max(t[-1] - t[0], np.finfo(float).tiny)
-    level: Array = displacement - displacement[-1] * (t - t[0]) / duration
-    return level
+    return np.asarray(displacement - displacement[-1] * (t - t[0]) / duration)
 
 
 def _integrate(t: Array, rate: Array) -> Array:
@@ -397,7 +390,7 @@ def _end_of(dataset: xr.Dataset) -> str:
     t = dataset["time"].values
     next_sample = 2 * t[-1] - t[max(t.size - 2, 0)]
     ends = dataset["event"].values[dataset["event_time"].values <= next_sample]
-    return str(ends[-1]) if ends.size and ends[-1] in _FALLEN else ""
+    return str(ends[-1]) if ends.size and ends[-1] in ENDINGS else ""
 
 
 def _stage(
@@ -428,9 +421,9 @@ def _stage(
     shown = dataset["u_s"] if "u_s" in dataset else dataset["theta"]
     lower.plot(t, shown.values, color=COLOURS[0], linewidth=1.0)
     (cursor,) = lower.plot([t[0]], [shown.values[0]], "o", color=COLOURS[1], markersize=5)
-    lower.set_xlabel("time $t$ (s)")
     roof = "roof " if case.storeys is not None else ""
-    lower.set_ylabel(f"{roof}$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)")
+    label_of_shown = f"{roof}$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)"
+    lower.set(xlabel="time $t$ (s)", ylabel=label_of_shown)
     lower.margins(x=0)
     end = _end_of(dataset)
     drawn = in_words(case, scale).replace(", ", ",\n")
@@ -454,8 +447,7 @@ def _feet(case: Case, building: Building) -> Array:
     """Return the positions of both columns [m]: left of the wall, or in the middle."""
     if case.wall is None:
         return float(building.levels[-1]) * np.array([-0.3, 0.3])
-    feet: Array = levels.outermost(case)[0] - case.wall.h * np.array([2.0, 1.0])
-    return feet
+    return np.asarray(levels.outermost(case)[0] - case.wall.h * np.array([2.0, 1.0]))
 
 
 def _frame_scene(ax: Axes, case: Case, building: Building | None, moves: Array) -> None:
@@ -486,7 +478,7 @@ def _wall(
     h, b, is_pinned = case.wall.h, case.wall.b, case.wall.base == "pinned"
     share = _FACE if case.bending is not None else _FACE[[0, -1]]
     bent = scale.deflection * _deflections(case, dataset, share)
-    axes, rods = levels.axes_of(case), _by_kind(levels.lines_of(case))
+    axes, rods = levels.axes_of(case), grouped(levels.lines_of(case), lambda line: line.kind)
     walls = [ax.fill([0], [0], facecolor=PALE, edgecolor=INK, zorder=3)[0] for _ in axes]
     drawn = {
         kind: ax.plot(
@@ -521,15 +513,12 @@ def _wall(
             if number < 0:
                 return np.array([ground[i] + x, z])
             across, along = (box[1] - box[0]) / (2 * b), (box[3] - box[0]) / (2 * h)
-            point: Array = box[0] + np.array([axes[number], 0.0]) + (x + b) * across + z * along
-            return point
+            return np.asarray(box[0] + np.array([axes[number], 0.0]) + (x + b) * across + z * along)
 
         for kind, line in drawn.items():
             # the tendon follows a wall that bends
             join = bend if kind == "cable" else (lambda *ends: np.stack(ends))
-            parts = [join(*map(place, item.ends)) for item in rods[kind]]
-            gap = np.full((1, 2), np.nan)
-            line.set_data(*np.concatenate([x for part in parts for x in (part, gap)]).T)
+            line.set_data(*_joined([join(*map(place, item.ends)) for item in rods[kind]]))
         if press is not None:
             return press(i, ground[i] + slip[i]), left
         if is_pinned:
@@ -571,11 +560,3 @@ def _pressure(
         return "in the air" if share == 0.0 else f"{share:.0%} of the base in contact"
 
     return move
-
-
-def _by_kind(lines: list[levels.Line]) -> dict[str, list[levels.Line]]:
-    """Sort lines by their kind."""
-    found: dict[str, list[levels.Line]] = {}
-    for line in lines:
-        found.setdefault(line.kind, []).append(line)
-    return found

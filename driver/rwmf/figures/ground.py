@@ -119,16 +119,13 @@ def ground_motion(
     i = int(np.argmax(np.abs(a)))
     over_time.plot(t, a, linewidth=0.8, **look)
     over_time.plot(t[i], a[i], "o", color=look["color"], markersize=4)
-    over_time.set_title(f"peak {abs(a[i]) / G:.3g} g at {t[i]:.2f} s")
-    over_time.set_xlabel("time $t$ (s)")
-    over_time.set_ylabel("ground acceleration (m/s²)")
+    title = f"peak {abs(a[i]) / G:.3g} g at {t[i]:.2f} s"
+    over_time.set(title=title, xlabel="time $t$ (s)", ylabel="ground acceleration (m/s²)")
     over_time.margins(x=0)
     over_period.plot(periods, pseudo_accelerations(wave, periods, damping), **look)
-    over_period.set_title(f"linear oscillators, damping {100 * damping:g} %")
-    over_period.set_xlabel("period (s)")
-    over_period.set_ylabel("pseudo-acceleration (m/s²)")
-    over_period.set_xlim(0, periods.max())
-    over_period.set_ylim(bottom=0)
+    title = f"linear oscillators, damping {100 * damping:g} %"
+    over_period.set(title=title, xlabel="period (s)", ylabel="pseudo-acceleration (m/s²)")
+    over_period.set(xlim=(0, periods.max()), ylim=(0, None))
     if "label" in look:
         over_period.legend()
     return panels

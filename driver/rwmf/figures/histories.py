@@ -16,7 +16,7 @@ from rwmf.errors import InputError
 from rwmf.figures import styles
 from rwmf.figures.levels import draw_levels, levels_of_frame, levels_of_storeys
 from rwmf.run.arguments import dataset_of
-from rwmf.run.quantities import AXES, QUANTITIES
+from rwmf.run.quantities import AXES, ENDINGS, QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,9 +59,7 @@ _NUMBERED = {item.over_levels.name: item.name for item in QUANTITIES.values()
 # lines per column of a legend as high as its panel
 _ROWS = 6
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
-# statuses of motions that ended early
 _ROTATION = "theta_max_over_alpha"
-_FALLEN = ("overturned", "collapsed")
 
 
 @checked
@@ -150,8 +148,7 @@ def _draw_panel(
     if len(found) > 1:
         title, columns = name.split("_")[0], -(-len(found) // _ROWS)
         styles.legend_beside(ax, title, columns, is_tight=True)
-    unit = styles.label_in_large_units(ax.yaxis, dataset[found[0]].attrs.get("units", ""))
-    ax.set_ylabel(_axis_label(dataset[found[0]].assign_attrs(units=unit), name))
+    ax.set_ylabel(_axis_label(ax, dataset[found[0]], name))
     ax.margins(x=0)
     _mark_impacts(ax, dataset)
 
@@ -160,7 +157,7 @@ def _mark_end(panels: np.ndarray, dataset: xr.Dataset) -> None:
     """Mark the overturning or collapse that ends the motion."""
     if "event_time" not in dataset.coords:
         return
-    ends = np.flatnonzero(np.isin(dataset["event"].values, _FALLEN))
+    ends = np.flatnonzero(np.isin(dataset["event"].values, ENDINGS))
     for k in ends[-1:]:
         t, kind = float(dataset["event_time"][k]), str(dataset["event"].values[k])
         for ax in panels:
@@ -226,9 +223,8 @@ def spectrum(
         dataset_of(bare, "rwmf.spectrum", "T_s", "status")
     if quantities is not None and len(quantities) != 1:
         raise InputError("plot.spectrum: quantities: must be one quantity")
-    quantity = None if quantities is None else str(quantities[0])
-    if quantity is None:
-        quantity = "u_s_max" if "u_s_max" in dataset else str(next(iter(dataset.data_vars)))
+    usual = "u_s_max" if "u_s_max" in dataset else str(next(iter(dataset.data_vars)))
+    quantity = usual if quantities is None else str(quantities[0])
     if quantity not in dataset:
         names = ", ".join(str(name) for name in dataset.data_vars if name != "status")
         raise InputError(f"{quantity}: is not in the spectrum, which has {names}")
@@ -238,40 +234,32 @@ def spectrum(
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
         line_style = {**styles.series(i, len(curves)), "label": label or None} | line
-        status = _names_of_status(curve["status"])
-        has_fallen = np.isin(status, _FALLEN)
+        status = curve["status"].values
+        # those of a sweep are numbers
+        if names_of_status := str(curve["status"].attrs.get("flag_meanings", "")).split():
+            status = np.array(names_of_status)[status]
+        has_fallen = np.isin(status, ENDINGS)
         periods, values = curve["T_s"].values, curve[quantity].values
         # the rotation of an overturned wall is meaningless: crosses at the upper edge
-        on_side = (status == _FALLEN[0]) & (quantity == _ROTATION)
+        on_side = (status == ENDINGS[0]) & (quantity == _ROTATION)
         (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **line_style)
-        cross: dict[str, Any] = {
-            "color": drawn.get_color(),
-            "markersize": 4,
-            "linestyle": "none",
-            "marker": "x",
-        }
-        axes.plot(periods[has_fallen & ~on_side], values[has_fallen & ~on_side], **cross)
+        cross: dict[str, Any] = {"color": drawn.get_color(), "markersize": 4}
+        inside = has_fallen & ~on_side
+        axes.plot(periods[inside], values[inside], "x", **cross)
         if on_side.any():
             cross |= {"transform": axes.get_xaxis_transform(), "clip_on": False}
-            axes.plot(periods[on_side], np.ones(on_side.sum()), **cross)
+            axes.plot(periods[on_side], np.ones(on_side.sum()), "x", **cross)
     if bare is not None:
         axes.plot(bare["T_s"], bare[quantity], label="frame alone", **styles.ALONE)
     axes.set_xlabel(styles.period_label(dataset["T_s"]))
     drawn_values = dataset[quantity]
-    unit = styles.label_in_large_units(axes.yaxis, drawn_values.attrs.get("units", ""))
-    axes.set_ylabel(_axis_label(drawn_values.assign_attrs(units=unit), quantity, _LETTERS_ALONE))
+    axes.set_ylabel(_axis_label(axes, drawn_values, quantity, _LETTERS_ALONE))
     if not (dataset[quantity] < 0).any():
         axes.set_ylim(bottom=0)
     axes.margins(x=0)
     if legend and (len(curves) > 1 or bare is not None):
         styles.legend_beside(axes, _legend_title(dataset))
     return axes
-
-
-def _names_of_status(status: xr.DataArray) -> np.ndarray:
-    """Return the names of statuses; those of a sweep are numbers."""
-    names = np.array(str(status.attrs.get("flag_meanings", "")).split())
-    return names[status.values] if names.size else status.values
 
 
 def _curves(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
@@ -342,9 +330,9 @@ def _explain_impacts(ax: Axes, dataset: xr.Dataset) -> None:
     ax.add_artist(legend).set_clip_on(False)
 
 
-def _axis_label(variable: xr.DataArray, name: str, letters: int = _LETTERS) -> str:
-    """Return the words for a variable, with its unit, in short lines."""
-    unit = variable.attrs.get("units", "")
+def _axis_label(ax: Axes, variable: xr.DataArray, name: str, letters: int = _LETTERS) -> str:
+    """Return the words for a variable, with the unit of the axis, in short lines."""
+    unit = styles.label_in_large_units(ax.yaxis, variable.attrs.get("units", ""))
     unit = _UNITS.get(unit, styles.plain(unit))
     words = _WORDS.get(name) or styles.plain(
         variable.attrs.get("long_name", name.replace("_", " "))

@@ -13,7 +13,7 @@ from rwmf.errors import InputError
 from rwmf.figures import histories as plot
 from rwmf.figures import loops
 from rwmf.figures.profiles import demands_of, envelope, has_envelopes, profile
-from rwmf.figures.styles import make_panels, new_figure, plain
+from rwmf.figures.styles import make_panels, new_figure
 from rwmf.kernel import files
 from rwmf.kernel.names import how_to_install
 from rwmf.run.quantities import names_by_key
@@ -117,16 +117,10 @@ def save_loops(dataset: xr.Dataset, case: Case, path: str | os.PathLike[str]) ->
         loops.draw(dataset, case, figure.subplots(1, n, squeeze=False)[0])
 
 
-def save_spectrum(
-    dataset: xr.Dataset,
-    path: str | os.PathLike[str],
-    bare: xr.Dataset | None = None,
-    title: str = "",
-) -> None:
+def save_spectrum(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Draw a spectrum into a file, one panel per quantity."""
     names = list(names_by_key(name for name in dataset.data_vars if name != "status").values())
     with drawn(path, 3.6 if len(names) == 1 else 2.8 * len(names)) as figure:
         panels = make_panels(figure.subplots(len(names)), len(names))
         for ax, name in zip(panels, names, strict=True):
-            plot.spectrum(dataset, ax, bare, name)
-        panels[0].set_title(plain(title))
+            plot.spectrum(dataset, ax, quantities=name)

@@ -102,7 +102,7 @@ def levels_of_storeys(dataset: xr.Dataset, case: Case, n: int) -> Levels:
     first: Array = np.empty(0)
     # given, or derived from forces, whichever key the case uses
     if law is not None and "storey_u_y" in law:
-        first = np.broadcast_to(law.storey_u_y, n) / np.broadcast_to(case.storeys.height, n)
+        first = np.broadcast_to(law.storey_u_y, n) / case.storeys.height
     elif law is not None:
         # storeys of one spring share its ductility
         largest = [float(dataset[f"storey_{i + 1}_drift_max"]) for i in range(n)]
@@ -210,7 +210,7 @@ def lines_of(case: Case) -> list[Line]:
     if case.coupling is not None:
         levels = np.array(_SHARES) * top
         if case.storeys is not None:
-            levels = np.cumsum(np.broadcast_to(case.storeys.height, len(case.storeys.m_over_m_w)))
+            levels = np.cumsum(case.storeys.height)
         found += [
             Line("coupling", ((i, b, float(z)), (i + 1, -b, float(z))))
             for i in range(len(axes) - 1)

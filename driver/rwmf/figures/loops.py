@@ -15,7 +15,7 @@ from rwmf.case.arguments import case_of, checked
 from rwmf.case.elements import heights_of_storeys
 from rwmf.errors import InputError
 from rwmf.figures.styles import LEVEL, Panels, make_panels, series, storey
-from rwmf.kernel.numbers import Array, show, to_array, to_items
+from rwmf.kernel.numbers import Array, grouped, show, to_array, to_items
 from rwmf.run.arguments import dataset_of
 
 if TYPE_CHECKING:
@@ -101,9 +101,10 @@ def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
             "simulate(case, dt=0.01)"
         )
     columns = {str(name): dataset[name].values for name in dataset if "time" in dataset[name].dims}
-    for name in _names_of_storeys(case):
-        if name in dataset:
-            columns[name] = dataset[name].values
+    for i in range(len(_heights_of_yielding(case))):
+        for part in ("drift", "shear_over_m_w_g", "shear"):
+            if (name := f"storey_{i + 1}_{part}") in dataset:
+                columns[name] = dataset[name].values
     loops = springs_of(columns, case)
     if not loops:
         check_springs(case)
@@ -173,13 +174,7 @@ def _heights_of_yielding(case: Case) -> list[float]:
     """Return the heights of storeys that yield one by one."""
     if case.storeys is None or case.yielding is None or "storey_u_y" not in case.yielding:
         return []
-    return heights_of_storeys(case, len(case.storeys.m_over_m_w))
-
-
-def _names_of_storeys(case: Case) -> list[str]:
-    """Return the columns of yielding storeys."""
-    names = ("storey_{}_drift", "storey_{}_shear_over_m_w_g", "storey_{}_shear")
-    return [name.format(i + 1) for i in range(len(_heights_of_yielding(case))) for name in names]
+    return heights_of_storeys(case)
 
 
 def check_springs(case: CaseLike) -> None:
@@ -197,10 +192,7 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     found = to_items(loops)
     if found is None or not all(isinstance(loop, Loop) for loop in found):
         raise InputError(f"loops = {show(loops)}: must be the result of find_loops")
-    kinds: dict[str, list[Loop]] = {}
-    for loop in found:
-        kinds.setdefault(loop.kind, []).append(loop)
-    return kinds
+    return grouped(found, lambda loop: loop.kind)
 
 
 def _sway(columns: _Columns, height: float, name: str) -> Array:
@@ -233,19 +225,15 @@ def _stroke(columns: _Columns, case: Case, group: str, i: int) -> Array:
     arm = b - np.where(theta < 0, -1.0, 1.0) * given.get("offset", corners)[i]
     half = np.sin(phi / 2)
     if group == "fuse":
-        chord: Array = 2 * arm * half
-        return chord
+        return np.asarray(2 * arm * half)
     height = np.atleast_1d(given.get("height", 2 * h))
     z = float(height[i if height.size > 1 else 0])
     if group == "restraint":
-        rise_of_point: Array = arm * np.sin(phi) - 2 * z * half**2
-        return rise_of_point
+        return np.asarray(arm * np.sin(phi) - 2 * z * half**2)
     if given.law != "truss":
-        along: Array = arm * (theta if case.model.formulation == "published" else phi)
-        return along
+        return np.asarray(arm * (theta if case.model.formulation == "published" else phi))
     rise = 2 * arm * (2 * arm * half**2 + z * np.sin(phi))
-    stroke: Array = rise / (np.sqrt(z**2 + rise) + z)
-    return stroke
+    return np.asarray(rise / (np.sqrt(z**2 + rise) + z))
 
 
 @checked
@@ -285,9 +273,8 @@ def draw(dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None
             ax.plot(1e3 * loop.displacement, force, **line | {"linewidth": 0.9, "label": label})
         ax.axhline(0.0, **LEVEL)
         title, displacement = _PANELS[kind]
-        ax.set_xlabel(displacement)
-        ax.set_ylabel(found[0].label if found[0].newtons is None else "force (kN)")
-        ax.set_title(title)
+        force_label = found[0].label if found[0].newtons is None else "force (kN)"
+        ax.set(title=title, xlabel=displacement, ylabel=force_label)
         if len(found) > 1:
             # full columns, at most five
             columns = math.ceil(len(found) / math.ceil(len(found) / 5))

@@ -54,7 +54,8 @@ def envelope_quantities(case: CaseLike) -> list[str]:
         the case has a mass.
     """
     case = case_of(case)
-    unit = "" if _has_mass(case) else "_over_m_w_g"
+    has_mass = case.wall is not None and "m_w" in case.wall
+    unit = "" if has_mass else "_over_m_w_g"
     return [
         name.format(section.name) + unit
         for name, _, _ in _PANELS
@@ -133,10 +134,6 @@ def has_envelopes(dataset: xr.Dataset) -> bool:
     return "wall_shear_1_max_over_m_w_g" in dataset
 
 
-def _has_mass(case: Case) -> bool:
-    return case.wall is not None and "m_w" in case.wall
-
-
 def _height(case: Case) -> float:
     if case.wall is None:
         raise InputError("no envelopes of forces: the case has no &wall")
@@ -146,7 +143,7 @@ def _height(case: Case) -> float:
 def _floors(case: Case) -> list[_Section]:
     """List the floors from the ground up."""
     if case.storeys is not None:
-        heights = np.cumsum(np.atleast_1d(case.storeys.height))
+        heights = np.cumsum(case.storeys.height)
         return [_Section(str(i + 1), float(z)) for i, z in enumerate(heights)]
     return [_Section("1", _height(case))] if case.frame is not None else []
 

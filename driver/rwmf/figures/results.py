@@ -14,10 +14,11 @@ from rwmf.case.arguments import checked
 from rwmf.errors import InputError
 from rwmf.figures import image_files as figures
 from rwmf.figures import styles
-from rwmf.kernel.numbers import Array, show
+from rwmf.kernel.numbers import Array, grouped, show
 from rwmf.run.arguments import dataset_of
 from rwmf.run.checks import Checks, LimitCheck
 from rwmf.run.quantities import find_numbered
+from rwmf.run.response import marks_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,9 +63,10 @@ def checks(found: Checks, axes: Axes | Sequence[Axes] | np.ndarray | None = None
     _draw_bars(panels[0], _bars(found, groups))
     if groups:
         _draw_heights(panels[1], groups)
+    reach = max((row.ratio for row in found.rows if not math.isnan(row.ratio)), default=1.0)
     for ax in panels:
         ax.axvline(1.0, **styles.LIMIT | {"linewidth": 1.4})
-        ax.set(xlim=(0, min(max(1.1, 1.05 * _reach(found)), _LONGEST)), xlabel="demand over limit")
+        ax.set(xlim=(0, min(max(1.1, 1.05 * reach), _LONGEST)), xlabel="demand over limit")
     return panels
 
 
@@ -82,10 +84,8 @@ def save_checks(found: Checks, path: str | os.PathLike[str]) -> None:
 
 def _over_height(found: Checks) -> dict[str, list[LimitCheck]]:
     """Return the checks of several floors or storeys by their key in `&limits`."""
-    groups: dict[str, list[LimitCheck]] = {}
-    for row in found.rows:
-        if row.number:
-            groups.setdefault(find_numbered(row.key)[0].limit_key, []).append(row)
+    numbered = (row for row in found.rows if row.number)
+    groups = grouped(numbered, lambda row: find_numbered(row.key)[0].limit_key)
     return {key: rows for key, rows in groups.items() if len(rows) > 1}
 
 
@@ -104,10 +104,6 @@ def _size(row: LimitCheck) -> float:
     """Return the ratio that is drawn: the median of a suite."""
     ratio = row.ratios[50.0] if row.ratios else row.ratio
     return 0.0 if math.isnan(ratio) else ratio
-
-
-def _reach(found: Checks) -> float:
-    return max((row.ratio for row in found.rows if not math.isnan(row.ratio)), default=1.0)
 
 
 def _draw_bars(ax: Axes, bars: list[tuple[str, LimitCheck]]) -> None:
@@ -131,15 +127,14 @@ def _draw_heights(ax: Axes, groups: dict[str, list[LimitCheck]]) -> None:
     for i, (key, rows) in enumerate(groups.items()):
         numbers = [row.number for row in rows]
         sizes = [min(_size(row), _LONGEST) for row in rows]
+        look = styles.series(i, len(groups))
         if rows[0].key.startswith("storey"):
             # constant over the storey
-            numbers = np.repeat([[n - 1, n] for n in numbers], 1, axis=0).ravel().tolist()
+            numbers = [end for n in numbers for end in (n - 1, n)]
             sizes = np.repeat(sizes, 2).tolist()
-            ax.plot(sizes, numbers, label=key, **styles.series(i, len(groups)))
         else:
-            ax.plot(
-                sizes, numbers, label=key, marker="o", markersize=3, **styles.series(i, len(groups))
-            )
+            look |= {"marker": "o", "markersize": 3}
+        ax.plot(sizes, numbers, label=key, **look)
     top = max(row.number for rows in groups.values() for row in rows)
     ax.set(ylim=(0, top + 0.1), yticks=range(0, top + 1, 1 + top // 8), ylabel="floor")
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=1, borderpad=0.2)
@@ -259,11 +254,8 @@ def _power(value: float) -> str:
 
 
 def _finish(axes: Axes, cost: Cost, over: str) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_ylim(_FLOOR / 3, 10.0)
+    axes.set(xscale="log", yscale="log", ylim=(_FLOOR / 3, 10.0), xlabel=_WORK[over])
     axes.set_yticks(10.0 ** np.arange(-16, 1, 2))
-    axes.set_xlabel(_WORK[over])
     peak = cost.reference["peak"]
     axes.set_ylabel(f"relative error of {_SYMBOLS.get(peak, peak)}")
 
@@ -373,20 +365,15 @@ def _segment(curve: xr.Dataset, step: int) -> tuple[Array, Array]:
 def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
     """Return words, step and drift of the first mark of each kind; storeys and floors share it."""
     found: dict[str, tuple[str, int, float]] = {}
-    for name, step, drift in zip(
-        curve["mark"].values,
-        curve["mark_step"].values,
-        curve["mark_roof_drift"].values,
-        strict=True,
-    ):
-        storey = re.fullmatch(r"storey_(\d+)_(\w+)", str(name))
-        kind = f"storey_{storey[2]}" if storey else str(name)
-        words = words_of_mark(str(name))
+    for name, step, drift in marks_of(curve):
+        storey = re.fullmatch(r"storey_(\d+)_(\w+)", name)
+        kind = f"storey_{storey[2]}" if storey else name
+        words = words_of_mark(name)
         if storey:
             words = f"{words} first"
-        elif str(name).startswith(OF_LIMIT):
-            kind = find_numbered(str(name).removeprefix(OF_LIMIT))[0].limit_key
-        found.setdefault(kind, (words, int(step), float(drift)))
+        elif name.startswith(OF_LIMIT):
+            kind = find_numbered(name.removeprefix(OF_LIMIT))[0].limit_key
+        found.setdefault(kind, (words, step, drift))
     return list(found.values())
 
 

@@ -135,10 +135,8 @@ def _label_demand(ax: Axes, rows: xr.Dataset, name: str) -> None:
     """Label the axes of a demand and its intensity."""
     attrs = rows[name].attrs
     unit = attrs.get("units", "1")
-    ax.set_xlabel(
-        plain(attrs.get("long_name", name)) + (f" ({plain(unit)})" if unit != "1" else "")
-    )
-    ax.set_ylabel(intensity_label(rows.attrs))
+    label = plain(attrs.get("long_name", name)) + (f" ({plain(unit)})" if unit != "1" else "")
+    ax.set(xlabel=label, ylabel=intensity_label(rows.attrs))
 
 
 def _draw_percentiles(
@@ -199,10 +197,8 @@ def fragility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         # complete dots where no record or all records exceed the limit
         dots = DOTS | ({"color": line["color"]} if n > 1 else {})
         ax.plot(at, share, clip_on=False, **dots)
-    ax.set_xlabel(intensity_label(dataset.attrs))
-    ax.set_ylabel(_condition(dataset))
-    ax.set_xlim(0, fine[-1])
-    ax.set_ylim(0, 1.02)
+    ax.set(xlabel=intensity_label(dataset.attrs), ylabel=_condition(dataset))
+    ax.set(xlim=(0, fine[-1]), ylim=(0, 1.02))
     legend_above(ax, columns=1 if n > 1 else 2)
     return ax
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rwmf.assess.pulses import SURVIVES
+from rwmf.assess.studies import SURVIVES
 from rwmf.case.arguments import checked
 from rwmf.figures import styles
 from rwmf.run.arguments import dataset_of
@@ -121,7 +121,6 @@ def _scene_in_words(dataset: xr.Dataset) -> str:
     return ", ".join([*parts, styles.plain(dataset.attrs["pulse"]).replace("_", "-")])
 
 
-_LINES = ("-", "--", ":", "-.")
 _SYMBOLS = {
     "storey_drift_max": "storey drift",
     "floor_acceleration_max_g": "floor acceleration",
@@ -132,6 +131,7 @@ _SYMBOLS = {
     "u_s_max": r"$u_{s,\max}$",
     "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
 }
+_LINES = ("-", "--", ":", "-.")
 
 
 @checked
@@ -157,10 +157,10 @@ def wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
         ratio = dataset[f"{name}_ratio"]
         over = [dim for dim in ("record",) if dim in ratio.dims]
         values.append(ratio.median(over, keep_attrs=True) if over else ratio)
-    curves = [_curves(ratio, ("T_s",)) for ratio in values]
+    curves = [list(_curves(ratio)) for ratio in values]
     n = len(curves[0])
     for k, (name, found) in enumerate(zip(names, curves, strict=True)):
-        symbol = _SYMBOLS.get(name, styles.plain(name.replace("_", " "))) if len(names) > 1 else ""
+        symbol = _symbol(name) if len(names) > 1 else ""
         for i, (label, curve) in enumerate(found):
             # one colour per response, one line style per frame
             line_style = styles.series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
@@ -169,13 +169,12 @@ def wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
             parts = [part for part in (symbol, label) if part]
             ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **line_style)
     ax.axhline(1.0, **styles.LEVEL)
-    _finish(ax, dataset["ratio"])
-    only = (
-        _SYMBOLS.get(names[0], styles.plain(names[0].replace("_", " "))) + " "
-        if len(names) == 1
-        else ""
-    )
-    ax.set_ylabel(f"{only}with / without wall")
+    only = f"{_symbol(names[0])} " if len(names) == 1 else ""
+    period = styles.period_label(dataset["T_s"])
+    ax.set(xlabel=period, ylabel=f"{only}with / without wall", ylim=(0, None))
+    ax.margins(x=0)
+    if ax.get_legend_handles_labels()[1]:
+        styles.legend_above(ax, columns=2)
     return ax
 
 
@@ -206,18 +205,14 @@ def equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     # the key of an acceleration over g ends with its unit
     if unit == "1":
         unit = "g" if quantity.endswith("acceleration_max_g") else ""
-    symbol = _SYMBOLS.get(quantity, styles.plain(quantity.replace("_", " ")))
-    ax.set_ylabel(r"$a_{\max}/g$ for " + f"{symbol} = {float(dataset['target']):g} {unit}".rstrip())
+    reached = f"{_symbol(quantity)} = {float(dataset['target']):g} {unit}".rstrip()
+    ax.set_ylabel(r"$a_{\max}/g$ for " + reached)
     return ax
 
 
-def _curves(values: xr.DataArray, kept: tuple[str, ...]) -> list[tuple[str, xr.DataArray]]:
-    """Split an array into curves, labelled by the dimensions with several values."""
-    return list(_split(values, kept))
-
-
-def _split(values: xr.DataArray, kept: tuple[str, ...]) -> Iterator[tuple[str, xr.DataArray]]:
-    others = [str(name) for name in values.dims if name not in kept]
+def _curves(values: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
+    """Split an array into curves over periods, labelled by the dimensions with several values."""
+    others = [str(name) for name in values.dims if name != "T_s"]
     for place in product(*(range(values.sizes[name]) for name in others)):
         at = dict(zip(others, place, strict=True))
         parts = [
@@ -232,11 +227,6 @@ def _text(value: object) -> str:
     return styles.plain(value) if isinstance(value, str) else f"{value:g}"
 
 
-def _finish(ax: Axes, values: xr.DataArray) -> None:
-    ax.set_xlabel(styles.period_label(values["T_s"]))
-    unit = styles.label_in_large_units(ax.yaxis, values.attrs.get("units", "1"))
-    text = values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})")
-    ax.set(ylabel=styles.plain(text), ylim=(0, None))
-    ax.margins(x=0)
-    if ax.get_legend_handles_labels()[1]:
-        styles.legend_above(ax, columns=2)
+def _symbol(name: str) -> str:
+    """Return the symbol of a quantity, or its name in words."""
+    return _SYMBOLS.get(name) or styles.plain(name.replace("_", " "))

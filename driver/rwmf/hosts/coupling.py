@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
 from rwmf.errors import InputError, NumericalError, placed, warn
-from rwmf.hosts.element import Element, ElementEvent
+from rwmf.hosts.element import Element, ElementEvent, ElementResponse
 from rwmf.hosts.partner import (
     CoupledRun,
     CouplingEnergy,
@@ -24,27 +24,7 @@ from rwmf.kernel.numbers import Array, Wholes, show, to_array, to_items, to_numb
 
 # groups of the frame, which the host owns
 _FRAME = ("frame", "storeys", "yielding", "p_delta")
-
-
-class WallResponse(NamedTuple):
-    """Resisting forces of the wall and their derivatives.
-
-    Attributes
-    ----------
-    force : numpy.ndarray, shape (n,)
-        Forces [N].
-    stiffness, damping, mass : numpy.ndarray, shape (n, n)
-        Derivatives [N/m], [N s/m], [kg].
-    theta, theta_dot : float
-        Rotation [rad] and its rate [rad/s].
-    """
-
-    force: Array
-    stiffness: Array
-    damping: Array
-    mass: Array
-    theta: float
-    theta_dot: float
+_TANGENTS = ("stiffness", "damping", "mass")
 
 
 class Split(NamedTuple):
@@ -115,7 +95,7 @@ class CoupledWall:
         else:
             self.shares, self.links = by_u[:, 0], by_u
         no = np.zeros((self.n, self.n))
-        self.none = WallResponse(no[0], no, no, no, 0.0, 0.0)
+        self.none = ElementResponse(*[no[0], no, no, no, *[no[0, 0]] * 6])
         self._splits = [self._split(is_held) for is_held in (False, True)]
 
     def split(self, is_held: bool) -> Split:
@@ -159,29 +139,24 @@ class CoupledWall:
         by_y[1:, 0] = -q * by_u / c
         return x, by_y
 
-    def respond(self, y: Array, ground: float) -> WallResponse:
+    def respond(self, y: Array, ground: float) -> ElementResponse[Array]:
         """Compute a trial response.
 
         The derivatives leave out the change of the coordinates' own derivatives, which vanishes
         with the square of a step.
         """
+        respond: Any = self.element.respond
         if self.n == 1:
-            u, u_dot, u_ddot = y[:, 0].tolist()
-            r = self.element.respond(u, u_dot, u_ddot, ground)
-            return WallResponse(
-                np.array([r.force]), np.array([[r.stiffness]]), np.array([[r.damping]]),
-                np.array([[r.mass]]), r.theta, r.theta_dot,
-            )  # fmt: skip
-        x, by_y = self.element_motion(y)
-        found = self.element.respond(x[0], x[1], x[2], ground)
-        return WallResponse(
-            by_y.T @ found.force,
-            by_y.T @ found.stiffness @ by_y,
-            by_y.T @ found.damping @ by_y,
-            by_y.T @ found.mass @ by_y,
-            float(found.theta),
-            float(found.theta_dot),
-        )
+            found = respond(*y[:, 0].tolist(), ground)
+            force = np.array([found.force])
+            turned = {name: np.array([[getattr(found, name)]]) for name in _TANGENTS}
+        else:
+            x, by_y = self.element_motion(y)
+            found = respond(*x, ground)
+            force = by_y.T @ found.force
+            turned = {name: by_y.T @ getattr(found, name) @ by_y for name in _TANGENTS}
+        response: ElementResponse[Array] = found._replace(force=force, **turned)
+        return response
 
     def next_event(
         self,
@@ -361,7 +336,7 @@ class Pair:
         tied = at_links[split.tied] - links[split.tied] @ y
         return np.append(tied, (forces @ links - resisting)[split.balanced])
 
-    def _respond(self, split: Split, y: Array, ground: float) -> WallResponse:
+    def _respond(self, split: Split, y: Array, ground: float) -> ElementResponse[Array]:
         """Response of the wall; at rest without own coordinates it has none."""
         return self._wall.respond(y, ground) if split.balanced.size else self._wall.none
 
@@ -372,7 +347,9 @@ class Pair:
         ground = self._ground(self._host.time() + h)
         forces = self._forces + h * self._rates
         own = (h * y_0[1] + h * h / 2 * y_0[2])[split.integrated]
-        rounding = max(_ROUNDING * self._weight, self._inertia_rounding(y_0[1], h))
+        # round-off of inertia forces [N]: accelerations are differences over the step
+        largest = [float(np.abs(values).max()) for values in (self._frame.mass, y_0[1])]
+        rounding = max(_ROUNDING * self._weight, _DIGITS * math.prod(largest) / h)
         last = error = math.inf
         for iteration in range(_MOST_ITERATIONS):
             self.run.iterations += 1
@@ -386,7 +363,7 @@ class Pair:
             error = self._error(split, flexibility, residuals)
             if error <= self._tolerance or (error >= last / 2 and error <= rounding):
                 u = self._frame.motion()[0] + increment
-                return _Step(forces, u, y, r.theta, r.theta_dot, error)
+                return _Step(forces, u, y, float(r.theta), float(r.theta_dot), error)
             last = error
             tangent = r.stiffness + 2 / h * r.damping + 4 / h**2 * r.mass
             correction = np.linalg.solve(self._system(split, flexibility, tangent), residuals)
@@ -396,11 +373,6 @@ class Pair:
             f"t = {self._host.time():g} s: wall and host disagree by {error:.3g} N after "
             f"{_MOST_ITERATIONS} iterations: shorten dt"
         )
-
-    def _inertia_rounding(self, velocities: Array, h: float) -> float:
-        """Round-off of inertia forces [N]: accelerations are differences over the step."""
-        speed = float(np.abs(velocities).max())
-        return _DIGITS * float(np.abs(self._frame.mass).max()) * speed / h
 
     def _error(self, split: Split, flexibility: Array, residuals: Array) -> float:
         """Largest residual as a force [N]."""

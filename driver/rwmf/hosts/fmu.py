@@ -12,6 +12,7 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import product
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -168,7 +169,7 @@ def _outputs(case: Case) -> list[Variable]:
 def _parameters(case: Case) -> list[Variable]:
     """List the numbers of the case, given or by default."""
     found = []
-    rows = {(row.group, row.key): row for row in tables.schema()}
+    rows = tables.rows_of_keys()
     for group, values in case.groups.items():
         if group in _NO_PARAMETER_GROUPS:
             continue
@@ -209,17 +210,18 @@ def model_description(case: Case, variables: list[Variable], token: str) -> byte
     """Write ``modelDescription.xml``."""
     name = xml_text(Path(case.source).stem) if case.source else "case"
     root = Xml.fromstring(files("rwmf.hosts").joinpath("fmu_description.xml").read_text("utf-8"))
-    facts = {
-        "modelName": name,
-        "instantiationToken": token,
-        "description": "Scene with " + ", ".join(case.kernel.inventory()["effects"]),
-        "generationTool": f"rwmf {tables.version()}",
-    }
-    root.attrib.update(facts)
+    root.attrib.update(
+        modelName=name,
+        instantiationToken=token,
+        description="Scene with " + ", ".join(case.kernel.inventory()["effects"]),
+        generationTool=f"rwmf {tables.version()}",
+    )
     _units(_part(root, "UnitDefinitions"), variables)
     _experiment(_part(root, "DefaultExperiment"), case)
     _variables(_part(root, "ModelVariables"), variables)
-    _structure(_part(root, "ModelStructure"), variables)
+    outputs = [str(i) for i, variable in enumerate(variables, 1) if variable.is_output]
+    for kind, reference in product(("Output", "InitialUnknown"), outputs):
+        Xml.SubElement(_part(root, "ModelStructure"), kind, valueReference=reference)
     Xml.indent(root)
     text: bytes = Xml.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
@@ -267,17 +269,14 @@ def _variables(listed: Xml.Element, variables: list[Variable]) -> None:
             "valueReference": str(reference),
             "description": variable.meaning,
         }
+        varies = "continuous" if variable.type == "f" else "discrete"
         if variable.is_output:
-            facts["causality"] = "output"
-            facts["initial"] = "calculated"
-            facts["intermediateUpdate"] = "true"
+            facts |= {"causality": "output", "initial": "calculated", "intermediateUpdate": "true"}
         else:
+            varies = varies if variable.kind == "i" else "fixed"
             facts["causality"] = "input" if variable.kind == "i" else "parameter"
             facts["start"] = _start(variable)
-        if not variable.is_output and variable.kind != "i":
-            facts["variability"] = "fixed"
-        else:
-            facts["variability"] = "continuous" if variable.type == "f" else "discrete"
+        facts["variability"] = varies
         if variable.unit and variable.type == "f":
             facts["unit"] = variable.unit
         Xml.SubElement(listed, _FMI_TYPES[variable.type], facts)
@@ -287,13 +286,6 @@ def _start(variable: Variable) -> str:
     if variable.type == "b":
         return "true" if variable.start else "false"
     return str(int(variable.start)) if variable.type == "i" else repr(variable.start)
-
-
-def _structure(structure: Xml.Element, variables: list[Variable]) -> None:
-    references = [str(i) for i, variable in enumerate(variables, 1) if variable.is_output]
-    for kind in ("Output", "InitialUnknown"):
-        for reference in references:
-            Xml.SubElement(structure, kind, valueReference=reference)
 
 
 # part of every FMU that the build of this package makes (src/bindings/fmi)
@@ -343,11 +335,10 @@ def _resources(case: Case) -> dict[str, bytes]:
             found[file] = source.read_bytes()
             groups[name]["file"] = file
     # neither sweeps nor files belong to a unit; its demands need the requests of `reactions`
-    for name in ("spectrum", "sensitivity", "design"):
-        groups.pop(name, None)
     output = {
-        k: v for k, v in groups.pop("output", {}).items() if k in ("energy", "friction_limit")
+        k: v for k, v in groups.get("output", {}).items() if k in ("energy", "friction_limit")
     }
+    groups = {name: keys for name, keys in groups.items() if name not in _NO_PARAMETER_GROUPS}
     groups["output"] = output | {"reactions": True}
     return {"case.nml": compose(groups).encode("utf-8", "surrogateescape"), **found}
 

@@ -73,6 +73,8 @@ class _Script:
         self.places: dict[int, tuple[float, float]] = {}
         self.masses: dict[int, float] = {}
         self.axis_at: dict[float, int] = {}
+        # of the link
+        self.length = building.link if math.isfinite(building.link) else _LONG
         self.blow = _BLOW_OF_MAST if self.has_mast else _BLOW
 
     def text(self) -> str:
@@ -167,6 +169,24 @@ class _Script:
         self._do("element", kind, self.elements, *words)
         return self.elements
 
+    def _beam(self, *ends: int) -> None:
+        """Put a stiff beam between two nodes of a wall."""
+        area, b = 1e4 * self.k * self.building.b, self.building.b
+        self._element("elasticBeamColumn", *ends, area, 1.0, area * b * b, 1)
+
+    def _spring(self, kind: str, low: int, high: int, material: int, direction: int) -> int:
+        """Put an element with a material between two nodes."""
+        return self._element(kind, low, high, "-mat", material, "-dir", direction)
+
+    def _tie(self, frame: Frame, i: int, node: int) -> None:
+        """Link a floor, counted from 1, to a node."""
+        if not frame.k_link.size:
+            self._do("equalDOF", node, 100 + i, 1)
+            return
+        self.linked = node
+        link = self._material("Elastic", float(frame.k_link[i - 1]))
+        self._spring("zeroLength", node, 100 + i, link, 1)
+
     def _node(self, node: int, x: float, z: float, *fixed: int) -> None:
         self._do("node", node, x, z)
         if fixed:
@@ -204,7 +224,6 @@ class _Script:
         self._do("geomTransf", "Corotational", 1)
         places, masses = self.places, self.masses
         self.places, self.masses = {}, {}
-        area = 1e4 * self.k * b
         for first, axis_x in self._walls():
             self.places |= {first + node: (axis_x + x, z) for node, (x, z) in places.items()}
             self.masses |= {first + node: mass for node, mass in masses.items()}
@@ -213,8 +232,7 @@ class _Script:
             for node, mass in masses.items():
                 self._do("mass", first + node, mass, mass, inertia.get(node, 0.0))
             for low, high in beams:
-                ends = (first + low, first + high)
-                self._element("elasticBeamColumn", *ends, area, 1.0, area * b * b, 1)
+                self._beam(first + low, first + high)
             for node, x in ((11, 0.0), (12, -b), (13, b)):
                 self._node(first + node, axis_x + x, 0.0, 1, 1, 1)
         if given.bent is not None:
@@ -296,12 +314,12 @@ class _Script:
         )
         self._do("fix", 1, 1, 0, 0)
         spring = self._material("ENT", base.k * 2 * b / _STRIPS)
-        area, tags = 1e4 * self.k * b, []
+        tags = []
         for i in range(_STRIPS):
             x = b * ((2 * i + 1) / _STRIPS - 1)
             self._node(600 + i, x, 0.0)
             self._node(800 + i, x, 0.0, 1, 1, 1)
-            self._element("elasticBeamColumn", 1, 600 + i, area, 1.0, area * b * b, 1)
+            self._beam(1, 600 + i)
             tags.append(
                 self._element("zeroLength", 800 + i, 600 + i, "-mat", spring, "-dir", 2,
                               "-doRayleigh", 1)
@@ -319,9 +337,7 @@ class _Script:
             self._node(node, axis_x + d, z, 1, 1, 1)
             self._node(node + 1, axis_x + d, z)
             self.places[node + 1] = (axis_x + d, z)
-            area = 1e4 * self.k * given.b
-            ends = (first + (4 if given.bent is None else 1), node + 1)
-            self._element("elasticBeamColumn", *ends, area, 1.0, area * given.b**2, 1)
+            self._beam(first + self.turned, node + 1)
         return node, node + 1
 
     def _devices(self) -> None:
@@ -363,10 +379,7 @@ class _Script:
 
     def _link_vertically(self, low: int, high: int, materials: list[int]) -> list[int]:
         """Put elements between two nodes at one place."""
-        return [
-            self._element("zeroLength", low, high, "-mat", material, "-dir", 2)
-            for material in materials
-        ]
+        return [self._spring("zeroLength", low, high, material, 2) for material in materials]
 
     def _tendons(self) -> None:
         given = self.building
@@ -393,8 +406,8 @@ class _Script:
             for wall in self._walls():
                 low, high = self._point(wall, tendon.offset, 0.0)
                 if tendon.is_straight:
-                    if (tendon.offset, tendon.height) == (0.0, 2 * self.building.h):
-                        high = wall[0] + (5 if self.building.bent is None else 7)
+                    if (tendon.offset, tendon.height) == (0.0, 2 * given.h):
+                        high = wall[0] + (5 if given.bent is None else 7)
                     else:
                         high = self._point(wall, tendon.offset, tendon.height)[1]
                     tag = self._element("corotTruss", low, high, 1.0, material)
@@ -418,8 +431,9 @@ class _Script:
         u_y = law.force_y / law.k
         cap, post_cap = float(values["cap"]), float(values["post_cap"])
         side = ((cap - 1) * u_y, post_cap * u_y, 1e3, law.force_y, 1 + hardening * (cap - 1))
-        wear = [float(x) * u_y for x in _four(values.get("lambda") or 0.0)]
-        powers = [float(x) for x in _four(values["lambda_exponent"])]
+        # four numbers for one or four
+        wear = np.broadcast_to(np.multiply(values.get("lambda") or 0.0, u_y), 4).tolist()
+        powers = np.broadcast_to(np.array(values["lambda_exponent"], dtype=float), 4).tolist()
         words = [law.k, *2 * (*side, float(values["residual"])), *wear, *powers, 1.0, 1.0]
         if values["law"] == "peak_oriented":
             return self._material("IMKPeakOriented", *words)
@@ -430,8 +444,7 @@ class _Script:
 
     def _frame(self, frame: Frame) -> None:
         given, n = self.building, frame.m.size
-        link = given.link if math.isfinite(given.link) else _LONG
-        x = -given.b - link if given.m_w and not (self.has_links and given.bent) else 0.0
+        x = -given.b - self.length if given.m_w and not (self.has_links and given.bent) else 0.0
         self._title("frame: floors, springs of the storeys")
         self._node(100, x, 0.0, 1, 1, 1)
         z = np.cumsum(frame.height)
@@ -441,11 +454,10 @@ class _Script:
             node = 101 + i
             self._node(node, x, float(z[i]), 0, 1, 1)
             self._do("mass", node, float(frame.m[i]), 0.0, 0.0)
-            ends = (node - 1, node)
-            self._element("twoNodeLink", *ends, "-mat", self._law(frame.laws[i]), "-dir", 2)
+            self._spring("twoNodeLink", node - 1, node, self._law(frame.laws[i]), 2)
             if frame.lean[i]:
                 lean = self._material("Elastic", -float(frame.lean[i]))
-                self._element("twoNodeLink", *ends, "-mat", lean, "-dir", 2)
+                self._spring("twoNodeLink", node - 1, node, lean, 2)
         if any(frame.lean):
             self._note("gravity leans on the frame by springs of negative stiffness, W/h")
         self._dashpots(frame.c)
@@ -468,8 +480,7 @@ class _Script:
                 value = float(c[i].sum() if i == j else -c[i, j])
                 if abs(value) > 1e-9 * c[i, i]:
                     dashpot = self._material("Elastic", 0.0, value)
-                    ends = (101 + i, 100 if i == j else 101 + j)
-                    self._element("twoNodeLink", *ends, "-mat", dashpot, "-dir", 2)
+                    self._spring("twoNodeLink", 101 + i, 100 if i == j else 101 + j, dashpot, 2)
 
     def _mast(self, frame: Frame, x: float, z: np.ndarray) -> None:
         """Link the floors to a stiff mast with a hinge, which is on the line of the wall."""
@@ -485,12 +496,7 @@ class _Script:
         self._node(200, x, 0.0, 1, 1, 0)
         for i, height in enumerate(z, start=1):
             self._node(200 + i, x, float(height), 0, 1, 0)
-            if frame.k_link.size:
-                self.linked = 200 + i
-                link = self._material("Elastic", float(frame.k_link[i - 1]))
-                self._element("zeroLength", 200 + i, 100 + i, "-mat", link, "-dir", 1)
-            else:
-                self._do("equalDOF", 200 + i, 100 + i, 1)
+            self._tie(frame, i, 200 + i)
             ends = (199 + i, 200 + i)
             shape = (1.0, stiffness, 1.0)
             self._element("elasticBeamColumn", *ends, *shape, 2, "-damp", 1)
@@ -500,18 +506,12 @@ class _Script:
         self._title("links of the floors to the axis of the wall")
         self._note("floors are linked to the axis of the wall, in rwmf to a point of its left side")
         for i, height in enumerate(z, start=1):
-            node = self.axis_at[round(float(height), 6)]
-            if frame.k_link.size:
-                self.linked = node
-                link = self._material("Elastic", float(frame.k_link[i - 1]))
-                self._element("zeroLength", node, 100 + i, "-mat", link, "-dir", 1)
-            else:
-                self._do("equalDOF", node, 100 + i, 1)
+            self._tie(frame, i, self.axis_at[round(float(height), 6)])
 
     def _link(self, frame: Frame, roof: int) -> None:
         given = self.building
         self._title("link from the roof to the left top corner of each wall")
-        length = given.link if math.isfinite(given.link) else _LONG
+        length = self.length
         if not math.isfinite(given.link):
             self._note(f"the link is {length:g} m long, with a dashpot against vibrations")
         both = 1 / (given.walls / float(frame.m[-1]) + 1 / given.m_w)
@@ -561,28 +561,21 @@ class _Script:
             arm = x - pivot - node // 1000 * given.spacing
             moved = (pivot + arm * c + z * s - x, -arm * s + z * c - z, -theta)
             speeds = (rate * (z * c - arm * s), -rate * (arm * c + z * s), -rate)
-            for dof in (1, 2, 3):
-                self._do("setNodeDisp", node, dof, moved[dof - 1], "-commit")
-                self._do("setNodeVel", node, dof, speeds[dof - 1], "-commit")
+            for dof, way, speed in zip((1, 2, 3), moved, speeds, strict=True):
+                self._do("setNodeDisp", node, dof, way, "-commit")
+                self._do("setNodeVel", node, dof, speed, "-commit")
 
     def _motion(self) -> None:
-        given, frame = self.building, self.building.frame
+        frame = self.building.frame
         self._title("motion of the ground")
-        self.lines.append('ops.timeSeries("Path", 2, "-dt", INTERVAL, "-values", *A)')
-        self._do("pattern", "UniformExcitation", 2, 1, "-accel", 2)
-        if given.a_v.size:
-            self.lines.append('ops.timeSeries("Path", 3, "-dt", INTERVAL, "-values", *A_V)')
-            self._do("pattern", "UniformExcitation", 3, 2, "-accel", 3)
+        for tag, name in ((2, "A"), (3, "A_V"))[: 2 if self.building.a_v.size else 1]:
+            path = f'ops.timeSeries("Path", {tag}, "-dt", INTERVAL, "-values", *{name})'
+            self.lines.append(path)
+            self._do("pattern", "UniformExcitation", tag, tag - 1, "-accel", tag)
         if frame is not None and frame.coupling == "reduced":
             self._title("the first mode is pushed with more mass than it has")
             self._do("pattern", "Plain", 4, 2)
             self._do("load", 101, float(frame.m[0] - frame.push[0]), 0.0, 0.0)
-
-
-def _four(values: object) -> list[float]:
-    """Return four numbers for one or four."""
-    found = np.atleast_1d(np.asarray(values, dtype=float))
-    return [float(x) for x in np.broadcast_to(found, 4)]
 
 
 _COMPARED_IMPACTS = 10

@@ -12,6 +12,7 @@ import os
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from types import ModuleType
 from typing import NamedTuple, Protocol
 
@@ -442,7 +443,7 @@ def _matrix(name: str, value: object, n: int | None = None) -> Array:
 def _forces(name: str, value: object, n: int) -> Callable[[Array], Array]:
     """Return a function for forces."""
     if not callable(value):
-        return _Linear(_matrix(name, value, n))
+        return partial(np.matmul, _matrix(name, value, n))
 
     def compute(at: Array) -> Array:
         return to_array(name, value(at.copy()), least=n)
@@ -450,20 +451,10 @@ def _forces(name: str, value: object, n: int) -> Callable[[Array], Array]:
     return compute
 
 
-class _Linear:
-    """Forces by a matrix."""
-
-    def __init__(self, matrix: Array) -> None:
-        self.matrix = matrix
-
-    def __call__(self, at: Array) -> Array:
-        return np.asarray(self.matrix @ at)
-
-
 def _tangent(forces: Callable[[Array], Array], at: Array, size: float) -> Array:
-    """Return the derivative of forces: of a function by differences."""
-    if isinstance(forces, _Linear):
-        return forces.matrix
+    """Return the derivative of forces: a matrix, or that of a function by differences."""
+    if isinstance(forces, partial):
+        return np.asarray(forces.args[0])
     step = _DIFFERENCE * size
     here = forces(at)
     columns = [(forces(at + step * unit) - here) / step for unit in np.eye(len(at))]

@@ -9,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 
 from rwmf.case import Case
-from rwmf.case.elements import elements_of
+from rwmf.case.elements import elements_of, height_of_frame
 from rwmf.errors import InputError
 from rwmf.kernel.numbers import Array
 from rwmf.run.simulation import simulate
@@ -343,9 +343,7 @@ def _frame(case: Case, m_w: float) -> Frame:
     if storeys is None:
         mass = frame.gamma * m_w if m_w else _number(frame.get("m_s")) or 1.0
         omega = 2 * math.pi / frame.T_s
-        height = (_number(p_delta.get("h_f")) if p_delta is not None else 0.0) or 2 * (
-            case.wall.h if case.wall is not None else 0.5
-        )
+        height = height_of_frame(case) or 1.0
         heights = np.array([height])
         lean = mass * weight / height
         return _of_one_mass(case, "single", mass, omega, np.ones(1), mass, lean, heights)
@@ -410,13 +408,14 @@ def _of_one_mass(
     heights: Array,
 ) -> Frame:
     """Describe a frame that one displacement moves."""
+    u_y = None if case.yielding is None else _number(case.yielding.get("u_y")) or None
     return Frame(
         coupling=coupling,
         m=np.array([mass]),
         height=np.array([heights.sum()]),
         share=share,
         push=np.array([push]),
-        laws=[_law(case, mass * omega**2, _yield_of(case))],
+        laws=[_law(case, mass * omega**2, u_y)],
         c=np.array([[2 * case.frame.xi_s * omega * mass]]),
         lean=np.array([lean]),
         floor_heights=heights,
@@ -426,11 +425,6 @@ def _of_one_mass(
 def _number(value: object) -> float:
     """Return a number of the case; 0 for a key that it does not give."""
     return 0.0 if value is None else float(cast("float", value))
-
-
-def _yield_of(case: Case) -> float | None:
-    """Return the yield displacement of the frame [m]; None for an elastic one."""
-    return _number(case.yielding.get("u_y")) or None if case.yielding is not None else None
 
 
 def _law(case: Case, k: float, u_y: float | None) -> Law:
@@ -495,25 +489,20 @@ def _motions(case: Case) -> tuple[float, Array, Array, float]:
 
 def _sampled(case: Case, motion: dict[str, Any], step: float, t_end: float) -> Array:
     """Return a ground acceleration at equal steps, by the history of an oscillator [m/s2]."""
-    groups: dict[str, Any] = dict.fromkeys(set(case.groups) - {"motion", "model", "solver"})
-    groups["frame"] = None
+    groups: dict[str, Any] = dict.fromkeys({*case.groups, "output"} - {"motion"})
+    frame = dict.fromkeys(case.frame.as_given() if case.frame is not None else ())
     groups |= {"solver": {"t_end": t_end}, "model": {"g": case.model.g}}
+    groups["frame"] = frame | {"T_s": 1.0, "xi_s": 0.05}
     if motion:
         groups["motion"] = dict.fromkeys(case.motion.as_given()) | motion
-    frame = dict.fromkeys(case.frame.as_given() if case.frame is not None else ())
-    groups["frame"] = frame | {"T_s": 1.0, "xi_s": 0.05}
-    groups["output"] = None
     history = simulate(case.replace(**groups), dt=step)
-    found: Array = np.nan_to_num(history["u_g_ddot"].to_numpy())
-    return found
+    return np.asarray(np.nan_to_num(history["u_g_ddot"].to_numpy()))
 
 
 def _widest_stride(*motions: Array) -> int:
     """Return the largest stride of samples between which all motions are straight."""
-    for stride in (200, 100, 50, 40, 25, 20, 10, 8, 5, 4, 2):
-        if all(_is_straight(a, stride) for a in motions if a.size):
-            return stride
-    return 1
+    strides = (200, 100, 50, 40, 25, 20, 10, 8, 5, 4, 2, 1)
+    return next(x for x in strides if all(_is_straight(a, x) for a in motions if a.size))
 
 
 def _is_straight(a: Array, stride: int) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Sequence
-from typing import Generic, NamedTuple, NoReturn, Self, TypeGuard, TypeVar
+from typing import Generic, NamedTuple, NoReturn, TypeGuard, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked, texts_of
 from rwmf.errors import InputError, warn
 from rwmf.kernel import numbers
-from rwmf.kernel.results import check_threads
+from rwmf.kernel.marshalling import Closing
 from rwmf.kernel.stepping import KernelWalls, Saved, event_names
 
 _K = TypeVar("_K")
@@ -67,18 +67,10 @@ class Guard(Generic[_K]):
                 self._kept = None
 
 
-class Closable(NotPickled, Generic[_K]):
+class Closable(NotPickled, Closing, Generic[_K]):
     """Base of objects that lend one of the kernel until they are closed; a context manager."""
 
     _guard: Guard[_K]
-
-    def __enter__(self) -> Self:
-        """Return the object, to be closed at the end of the block."""
-        return self
-
-    def __exit__(self, *unused: object) -> None:
-        """Close it."""
-        self.close()
 
     def close(self) -> None:
         """Free the memory. Every later call but `close` is an error."""
@@ -515,7 +507,7 @@ class Walls(_Stepping):
         number = len(each) if n is None else numbers.to_whole("n", n, 1, _MOST_WALLS)
         if len(each) not in (1, number):
             raise InputError(f"n = {number}: must be {len(each)}, the number of cases")
-        super().__init__(each, number, t_begin, peak, check_threads(threads))
+        super().__init__(each, number, t_begin, peak, threads)
         self._n = number
 
     def __len__(self) -> int:

@@ -15,6 +15,7 @@ until HDF5 has closed the file. Then the error is raised.
 
 from __future__ import annotations
 
+import csv
 import errno
 import fcntl
 import functools
@@ -123,6 +124,13 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a file as `replacing` does."""
     with replacing(path) as stream:
         stream.write(content)
+
+
+def csv_text(rows: Iterable[Iterable[object]], end: str = "\n") -> str:
+    """Write rows as CSV; numbers keep all digits."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator=end).writerows(rows)
+    return text.getvalue()
 
 
 def remove(path: Path) -> None:

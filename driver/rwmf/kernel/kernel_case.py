@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf.errors import InputError, without_lines
+from rwmf.errors import no_line_numbers
 from rwmf.kernel.marshalling import Memory, call, encode, fetch_text, split_table
 from rwmf.kernel.numbers import Array
 
@@ -139,15 +139,9 @@ class KernelCase:
                 lambda buffer: call(procedure, self.handle, buffer, source=self._source)[0]
             )
 
-    @contextmanager
-    def own_lines(self) -> Iterator[None]:
+    def own_lines(self) -> AbstractContextManager[None]:
         """Remove line numbers from messages about text that the user has not written."""
-        try:
-            yield
-        except InputError as error:
-            if self.has_lines:
-                raise
-            raise InputError(without_lines(str(error))) from None
+        return nullcontext() if self.has_lines else no_line_numbers()
 
     def limited_demands(self) -> list[str]:
         """Return the keys of the demands that `&limits` requests, with numbers of floors."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import queue
 import threading
+from abc import abstractmethod
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +28,22 @@ class Memory:
     def __del__(self, release: Callable[[int], None] = _kernel.release) -> None:
         """Release the memory."""
         release(self.handle)
+
+
+class Closing:
+    """Base of objects that a ``with`` block closes at its end."""
+
+    def __enter__(self) -> Self:
+        """Return the object itself."""
+        return self
+
+    def __exit__(self, *unused: object) -> None:
+        """Close the object."""
+        self.close()
+
+    @abstractmethod
+    def close(self) -> None:
+        """Free what the object holds; further calls have no effect."""
 
 
 class MemoryView:

@@ -87,6 +87,19 @@ def how_to_install(purpose: str) -> str:
     return f"{shlex.quote(sys.executable)} -m pip install {' '.join(map(shlex.quote, words))}"
 
 
+def folder_of_package(module: str, subject: str, package: str, purpose: str) -> Path:
+    """Find a package of records without importing it, which can take a second."""
+    import importlib.util
+
+    spec = importlib.util.find_spec(module)
+    if spec is None or not spec.submodule_search_locations:
+        raise InputError(
+            f"{subject} comes with the Python package {package}, which is not installed: "
+            f"{how_to_install(purpose)}"
+        )
+    return Path(spec.submodule_search_locations[0])
+
+
 @contextmanager
 def needed(purpose: str, text: str) -> Iterator[None]:
     """Name the missing package of an import, after a text about its need, and its installation."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, TypeGuard
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,8 @@ import numpy.typing as npt
 from rwmf.errors import InputError
 from rwmf.kernel.names import shorten
 
+_T = TypeVar("_T")
+_K = TypeVar("_K", bound=Hashable)
 Array = npt.NDArray[np.float64]
 Truths = npt.NDArray[np.bool_]
 Wholes = npt.NDArray[np.int64]
@@ -196,6 +198,14 @@ def first_masked(values: object) -> int | None:
             if isinstance(item, np.ma.MaskedArray) and np.ma.is_masked(item):
                 return i
     return None
+
+
+def grouped(items: Iterable[_T], key: Callable[[_T], _K]) -> dict[_K, list[_T]]:
+    """Collect items by a key, in the order of their first ones."""
+    found: dict[_K, list[_T]] = {}
+    for item in items:
+        found.setdefault(key(item), []).append(item)
+    return found
 
 
 def to_json(value: object) -> Any:  # noqa: ANN401 (JSON has several types)

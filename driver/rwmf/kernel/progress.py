@@ -71,16 +71,6 @@ def _notebook_bar(total: int, unit: str) -> Iterator[Progress]:
         shown.update(bar)
 
 
-def _find_bar() -> type | None:
-    """Return the class of the progress bar; None when the optional package is not installed."""
-    try:
-        from tqdm import tqdm
-    except ModuleNotFoundError:
-        return None
-    bar_type: type = tqdm
-    return bar_type
-
-
 @contextmanager
 def progress_bar(total: int, unit: str = "run") -> Iterator[Progress | None]:
     """Show progress in a notebook or on a terminal, and nothing on a redirected output."""
@@ -91,14 +81,15 @@ def progress_bar(total: int, unit: str = "run") -> Iterator[Progress | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    bar_type = _find_bar()
-    if bar_type is None:
+    try:
+        from tqdm import tqdm
+    except ModuleNotFoundError:
         yield _plain_report(unit)
         print(file=sys.stderr)
         return
     # a terminal without a known size gets the usual one
     size = shutil.get_terminal_size()
-    with bar_type(
+    with tqdm(
         total=total,
         unit=unit,
         leave=False,

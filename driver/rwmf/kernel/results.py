@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ from rwmf._kernel import rwmf_bindings_python_static_curve as _curves
 from rwmf.errors import InputError
 from rwmf.kernel.kernel_case import KernelCase
 from rwmf.kernel.marshalling import (
+    Closing,
     Memory,
     MemoryView,
     Progress,
@@ -31,7 +32,7 @@ from rwmf.kernel.numbers import Array, show
 _FIRST_CAPACITY = 256
 
 
-class Result:
+class Result(Closing):
     """A result in the kernel's memory, released at the end of the ``with`` block.
 
     Arrays that view the memory keep it alive.
@@ -56,14 +57,6 @@ class Result:
     def close(self) -> None:
         """Release the kernel's memory; further calls have no effect."""
         self._memory = None
-
-    def __enter__(self) -> Self:
-        """Return the result itself."""
-        return self
-
-    def __exit__(self, *unused: object) -> None:
-        """Release the kernel's memory."""
-        self.close()
 
 
 class Run(Result):
@@ -269,3 +262,8 @@ def start_rows(
     names, keys = encode("\t".join(columns)), encode("\t".join(quantities))
     asked = (names, table, keys, check_threads(threads))
     return _started(Spectrum, case, source, progress, _kernel.rows, *asked)
+
+
+def result_names(source: str) -> list[str]:
+    """Return the names of the files that the batch program may write for a case."""
+    return split_lines(fetch_text(_kernel.result_names, encode(source)))

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf.kernel import marshalling
+from rwmf.kernel.marshalling import Memory, call, decode, encode, fetch_text, split_table
 from rwmf.kernel.numbers import Array
 
 _BUFFER = 200
@@ -66,30 +66,28 @@ class FileChannel(NamedTuple):
 def read_record_header(content: bytes) -> FileHeader:
     """Read the header of a record file."""
     buffer = np.empty(_BUFFER, dtype=np.int8)
-    (length,) = marshalling.call(_cases.record_header, _bytes(content), buffer)
-    name, unit, channels = marshalling.decode(buffer, length).split("\t")
+    (length,) = call(_cases.record_header, _bytes(content), buffer)
+    name, unit, channels = decode(buffer, length).split("\t")
     return FileHeader(name == "AT2", unit or None, int(channels))
 
 
 def read_record(content: bytes, unit: str | None, dt: float | None) -> list[FileChannel]:
     """Read the samples of a record file."""
-    asked = (marshalling.encode(unit or ""), 0.0 if dt is None else dt)
-    handle, channels = marshalling.call(_cases.record_read, _bytes(content), *asked)
-    memory = marshalling.Memory(handle)
+    asked = (encode(unit or ""), 0.0 if dt is None else dt)
+    handle, channels = call(_cases.record_read, _bytes(content), *asked)
+    memory = Memory(handle)
     return [_channel(memory.handle, i + 1) for i in range(int(channels))]
 
 
 def unit_named(text: str) -> tuple[str, str, float, float]:
     """Return the unit that a text of a file names."""
     ratio = np.ones(2)
-    quantity, base = marshalling.fetch_text(
-        _cases.unit_named, marshalling.encode(text), ratio
-    ).split("\t")
+    quantity, base = fetch_text(_cases.unit_named, encode(text), ratio).split("\t")
     return quantity, base, float(ratio[0]), float(ratio[1])
 
 
 def _channel(handle: int, number: int) -> FileChannel:
-    facts = marshalling.fetch_text(_cases.channel_facts, handle, number).split("\t")
+    facts = fetch_text(_cases.channel_facts, handle, number).split("\t")
     name, unit, column, dt, size, has_times = facts
     values = np.empty(int(size))
     times = np.empty(int(size) if has_times == "1" else 0)
@@ -111,12 +109,12 @@ def _bytes(content: bytes) -> npt.NDArray[np.int8]:
 @functools.cache
 def version() -> str:
     """Return the version of the compiled kernel."""
-    return marshalling.fetch_text(_kernel.version)
+    return fetch_text(_kernel.version)
 
 
 def instruction_set() -> str:
     """Return the instruction set that spectra use on this processor."""
-    return marshalling.fetch_text(_kernel.instruction_set)
+    return fetch_text(_kernel.instruction_set)
 
 
 _INTERVAL = re.compile(r"([\[(])([^,\s]+), ([^\])]+)[\])]")
@@ -191,9 +189,13 @@ def number_of(text: str) -> float | None:
 @functools.cache
 def schema() -> tuple[KeyRow, ...]:
     """Return the kernel's table of groups and keys."""
-    return tuple(
-        KeyRow(*cells) for cells in marshalling.split_table(marshalling.fetch_text(_kernel.schema))
-    )
+    return tuple(KeyRow(*cells) for cells in split_table(fetch_text(_kernel.schema)))
+
+
+@functools.cache
+def rows_of_keys() -> dict[tuple[str, str], KeyRow]:
+    """Return the rows of `schema` by group and key."""
+    return {row[:2]: row for row in schema()}
 
 
 @functools.cache
@@ -207,7 +209,7 @@ def keys_of_groups() -> dict[str, dict[str, str]]:
 
 def needs_of_groups() -> dict[str, list[str]]:
     """Return the groups of a case, each with the groups that it requires."""
-    rows = marshalling.split_table(marshalling.fetch_text(_kernel.groups))
+    rows = split_table(fetch_text(_kernel.groups))
     found: dict[str, list[str]] = {}
     for name, *needs in rows:
         found.setdefault(name, []).extend(needs)
@@ -216,7 +218,7 @@ def needs_of_groups() -> dict[str, list[str]]:
 
 def quantities() -> list[list[str]]:
     """Return the kernel's table of output quantities."""
-    return marshalling.split_table(marshalling.fetch_text(_kernel.quantities))
+    return split_table(fetch_text(_kernel.quantities))
 
 
 def digits_of(rtol: float, sensitivity: float) -> int:
@@ -233,16 +235,9 @@ def strip_under(normal: Array, phi: Array, *strip: float) -> Array:
 
 def meant_quantity(word: str) -> str:
     """Find the quantity for a technical term or a misspelled key."""
-    return marshalling.fetch_text(_kernel.meant_quantity, marshalling.encode(word[:80]))
+    return fetch_text(_kernel.meant_quantity, encode(word[:80]))
 
 
 def unusual_record(peak: float, interval: float, duration: float) -> str:
     """Return the warning about a record that is no earthquake in these units."""
-    return marshalling.fetch_text(_kernel.unusual_record, peak, interval, duration)
-
-
-def result_names(source: str) -> list[str]:
-    """Return the names of the files that the batch program may write for a case."""
-    return marshalling.split_lines(
-        marshalling.fetch_text(_kernel.result_names, marshalling.encode(source))
-    )
+    return fetch_text(_kernel.unusual_record, peak, interval, duration)

@@ -15,7 +15,7 @@ import numpy as np
 from rwmf.case import Case, Motion
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError, did_you_mean, placed
-from rwmf.kernel.numbers import Array, show, to_array, to_number
+from rwmf.kernel.numbers import Array, show, to_number
 from rwmf.motion.record_sets import RecordFile, find_records, read_bytes, read_channels
 from rwmf.motion.waveform import (
     Waveform,
@@ -121,14 +121,13 @@ class Intensity:
     @property
     def attributes(self) -> dict[str, str | float]:
         """Attributes of a dataset whose records this measure scales."""
-        found: dict[str, str | float] = {"intensity": self.kind}
-        if self.period is not None:
-            found["intensity_period_s"] = self.period
-        if self.periods:
-            found["intensity_periods_s"] = " ".join(map(repr, self.periods))
-        if self.damping is not None:
-            found["intensity_damping"] = self.damping
-        return found
+        found = {
+            "intensity": self.kind,
+            "intensity_period_s": self.period,
+            "intensity_periods_s": " ".join(map(repr, self.periods)) or None,
+            "intensity_damping": self.damping,
+        }
+        return {name: value for name, value in found.items() if value is not None}
 
     def of(self, wave: Waveform, g: float) -> float:
         """Compute the measure of one motion."""
@@ -179,16 +178,8 @@ class Intensity:
         return float(found[choose(found)])
 
     def _elementary(self, wave: Waveform, g: float) -> Array:
-        """Compute a measure without oscillators, one number per row."""
-        if self.kind == "arias":
-            return wave.arias(g)
-        return {
-            "peak_acceleration": wave.peak_acceleration,
-            "peak_velocity": wave.peak_velocity,
-            "peak_displacement": wave.peak_displacement,
-            "cav": wave.cumulative_absolute_velocity,
-            "duration_5_95": wave.significant_duration,
-        }[self.kind]()
+        """Compute a measure without oscillators, a method of its name, one number per row."""
+        return np.asarray(wave.arias(g) if self.kind == "arias" else getattr(wave, self.kind)())
 
     def _spectral(self, spectrum: Callable[[Array], Array]) -> float:
         """Compute a measure from a function of pseudo-accelerations over periods."""
@@ -216,14 +207,11 @@ def choose_measure(kind: object, **options: Any) -> Intensity:  # noqa: ANN401 (
             raise InputError(f"intensity = {kind!r}: needs {name} [s]")
     if not known:
         return Intensity(kind)
-    damping = to_number("damping", given.get("damping", DAMPING))
+    periods, damping = tuple(given.pop("periods", ())), given.setdefault("damping", DAMPING)
     if not 0 <= damping < 1:
+        # the one of a case may be larger
         raise InputError(f"damping = {show(damping)}: must be at least 0 and below 1")
-    period = to_number("period", given["period"], above=0.0) if "period" in given else None
-    periods = tuple(map(float, to_array("periods", given.get("periods", ()), above=0.0)))
-    if "periods" in given and not periods:
-        raise InputError("periods: must be at least one number > 0 [s]")
-    return Intensity(kind, period, damping, periods)
+    return Intensity(kind, **given, periods=periods)
 
 
 def _percentile(values: Array, share: float) -> float:
@@ -269,8 +257,7 @@ def _integral(function: Callable[[Array], Array], first: float, last: float) -> 
 
 
 def _simpson(three: Array, width: Array) -> Array:
-    rule: Array = width * (three[0] + 4 * three[1] + three[2]) / 6
-    return rule
+    return np.asarray(width * (three[0] + 4 * three[1] + three[2]) / 6)
 
 
 # default of `&model g` [m/s2]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import importlib.metadata
-import importlib.util
 import os
 import re
 import stat
@@ -25,7 +24,7 @@ from rwmf.case.arguments import checked
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, placed, warn
 from rwmf.kernel import files, tables
-from rwmf.kernel.names import how_to_install, needed, problem_of_name, shorten
+from rwmf.kernel.names import folder_of_package, needed, problem_of_name, shorten
 from rwmf.kernel.numbers import show, to_number
 from rwmf.kernel.tables import read_record_header
 from rwmf.motion import formats
@@ -269,7 +268,11 @@ def read_list(path: Path, content: bytes) -> list[Entry] | None:
         names = [_plain(name) for name in _cells(lines[at], mark)]
         columns = _columns(names, kind, at + 1)
         rows = _own_rows(lines, at, mark) if kind is _OWN else _rows(lines, at, mark, kind)
-        _check_rows(rows, len(names))
+        for line, cells in rows:
+            if len(cells) < len(names) or any(cells[len(names) :]):
+                raise InputError(
+                    f"line {line}: {len(cells)} columns where the header has {len(names)}"
+                )
         return _entries(path, kind, columns, rows, mark)
 
 
@@ -374,12 +377,6 @@ def _rows(lines: list[str], at: int, mark: str, kind: _Kind) -> _Rows:
     return rows
 
 
-def _check_rows(rows: _Rows, count: int) -> None:
-    for line, cells in rows:
-        if len(cells) < count or any(cells[count:]):
-            raise InputError(f"line {line}: {len(cells)} columns where the header has {count}")
-
-
 def _entries(
     path: Path, kind: _Kind, columns: dict[str, int], rows: _Rows, mark: str
 ) -> list[Entry]:
@@ -442,19 +439,8 @@ def export_fema(word: str) -> list[tuple[Path, float]]:
         raise InputError(
             f"records: fema:{word}: allowed are {allowed}, with :normalized behind them or not"
         )
-    source = _find_package(word)
+    source = folder_of_package(_FEMA_MODULE, f"records: fema:{word}", _FEMA_PACKAGE, "suites")
     return [item for one in names for item in _export_set(source, one, variant)]
-
-
-def _find_package(word: str) -> Path:
-    # locate the package without importing it, which needs pandas and PyTables
-    spec = importlib.util.find_spec(_FEMA_MODULE)
-    if spec is None or not spec.submodule_search_locations:
-        raise InputError(
-            f"records: fema:{word} comes with the Python package {_FEMA_PACKAGE}, which is not "
-            f"installed: {how_to_install('suites')}"
-        )
-    return Path(spec.submodule_search_locations[0])
 
 
 def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float]]:
@@ -568,14 +554,10 @@ class RecordFile:
         dict of str to value
             Keys and values of `&motion`.
         """
-        group: dict[str, Value] = {"kind": "record", "file": self.path or self.name}
-        if self.unit is not None:
-            group["unit"] = self.unit
-        if self.dt is not None:
-            group["dt"] = self.dt
-        if self.scale != 1.0:
-            group["scale"] = self.scale
-        return group
+        scale = None if self.scale == 1.0 else self.scale
+        group = {"kind": "record", "file": self.path or self.name, "unit": self.unit}
+        keys = group | {"dt": self.dt, "scale": scale}
+        return {key: value for key, value in keys.items() if value is not None}
 
     def format(self) -> str:
         """Describe the format of the samples.
@@ -707,8 +689,6 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
         except ValueError as error:
             raise InputError(f"records: {word}: {error}") from error
         paths = [item for item in paths if not is_left_behind(Path(item.name))]
-        left_out = set() if has_vertical else verticals_beside(paths)
-        paths = [item for item in paths if item not in left_out]
     elif is_left_behind(Path(path.name)) and path.exists():
         # a pattern of the shell names it too
         return []
@@ -721,18 +701,17 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
         return [path]
     if not paths:
         raise InputError(f"records: {word}: no record is there")
-    return paths
+    left_out = set() if has_vertical else verticals_beside(paths)
+    return [item for item in paths if item not in left_out]
 
 
 def _records_below(folder: Path, has_vertical: bool) -> list[Path]:
     endings = (*RECORD_SUFFIXES, *(VERTICAL_SUFFIXES if has_vertical else ()))
-    paths = sorted(
+    return sorted(
         path
         for path in folder.rglob("*")
         if path.suffix.lower() in endings and not is_left_behind(path.relative_to(folder))
     )
-    left_out = set() if has_vertical else verticals_beside(paths)
-    return [path for path in paths if path not in left_out]
 
 
 def _components(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
 import os
 import zlib
 from collections.abc import Sequence
@@ -16,11 +15,11 @@ import numpy as np
 from rwmf.case import Motion
 from rwmf.case.arguments import checked
 from rwmf.errors import InputError, OutputError, did_you_mean
-from rwmf.kernel import files, tables
-from rwmf.kernel.names import how_to_install
+from rwmf.kernel import files
+from rwmf.kernel.names import folder_of_package, how_to_install
 from rwmf.kernel.numbers import Array, show, to_array, to_number, to_whole
 from rwmf.kernel.tables import unusual_record
-from rwmf.motion.formats import Channel
+from rwmf.motion.formats import Channel, read_by_kernel
 from rwmf.motion.intensity import DAMPING, G
 from rwmf.motion.record_sets import hold_to_motions, read_bytes, read_channels
 from rwmf.motion.waveform import Waveform, pseudo_accelerations, waveform_of
@@ -70,8 +69,7 @@ def _resample(motion: Motion, dt: float) -> Array:
             "high frequencies without a filter"
         )
     n = _count("resample", (times[-1] - times[0]) / dt * (1 + 1e-12))
-    taken: Array = np.interp(times[0] + dt * np.arange(n + 1), times, motion.values)
-    return taken
+    return np.asarray(np.interp(times[0] + dt * np.arange(n + 1), times, motion.values))
 
 
 def _count(name: str, samples: float) -> int:
@@ -201,14 +199,7 @@ def find(name: str) -> tuple[Record, Path]:
         hint = did_you_mean(name, RECORDS) if isinstance(name, str) else ""
         raise InputError(f"record {show(name)} is not known{hint}; known are {', '.join(RECORDS)}")
     record = RECORDS[name]
-    # locate the package without importing it, which takes a second
-    spec = importlib.util.find_spec(_PACKAGE)
-    if spec is None or not spec.submodule_search_locations:
-        raise InputError(
-            f"record {name!r} comes with the Python package {_PACKAGE}, which is not installed: "
-            f"{how_to_install('records')}"
-        )
-    path = Path(spec.submodule_search_locations[0], record.file)
+    path = folder_of_package(_PACKAGE, f"record {name!r}", _PACKAGE, "records") / record.file
     if not path.is_file():
         raise InputError(
             f"{_PACKAGE} {importlib.metadata.version(_PACKAGE)} does not contain {record.file}: "
@@ -536,8 +527,8 @@ def _header(record: Record, source: Path) -> bytes:
 def _facts(record: Record, source: Path) -> str:
     """Return number of points, interval, peak and checksum of the package's file."""
     content = source.read_bytes()
-    channel = tables.read_record(content, None if record.is_at2 else UNIT, None)[0]
-    motion = Motion(channel.values, dt=channel.dt, times=channel.times, unit=channel.unit)
+    unit = None if record.is_at2 else UNIT
+    motion = read_by_kernel(content, record.name, unit, None)[0].motion
     t, a = motion.times, motion.values
     i = int(np.argmax(np.abs(a)))
     return (
@@ -591,8 +582,8 @@ def _facts_of(channel: Channel, wave: Waveform, g: float) -> dict[str, Any]:
         "peak_velocity_m_s": velocity,
         "peak_displacement_m": displacement,
         "arias_m_s": float(wave.arias(g)[0]),
-        "duration_5_95_s": float(wave.significant_duration()[0]),
-        "cav_m_s": float(wave.cumulative_absolute_velocity()[0]),
+        "duration_5_95_s": float(wave.duration_5_95()[0]),
+        "cav_m_s": float(wave.cav()[0]),
         "warnings": _doubts(wave, peak / g, velocity, displacement),
     }
 

@@ -123,13 +123,9 @@ _ROLES = {
     formats.ACCELERATION: (
         formats.known_words(
             "sa psa se sae rs a s t spectral pseudo acceleration accelerations accel acc response "
-            "spectrum"
-        )
-        | formats.known_words(
-            "target design elastic code site ec asce uhs mce mcer dbe year years yr"
-        )
-        | formats.known_words("horizontal mean median geomean geometric max rotd damped damping")
-        | formats.known_words("of critical %"),
+            "spectrum target design elastic code site ec asce uhs mce mcer dbe year years yr "
+            "horizontal mean median geomean geometric max rotd damped damping of critical %"
+        ),
         formats.ACCELERATION,
     ),
 }
@@ -496,8 +492,7 @@ def _target_at(
     peak = float(table[1].max())
     if not _SMALLEST < peak < _LARGEST:
         warn([f"target: the largest pseudo-acceleration is {peak:.4g} g: is it in g?"])
-    values: Array = np.exp(np.interp(np.log(periods), np.log(table[0]), np.log(table[1])))
-    return values
+    return np.asarray(np.exp(np.interp(np.log(periods), np.log(table[0]), np.log(table[1]))))
 
 
 # first period of the spectra of codes, and number of periods besides the corners

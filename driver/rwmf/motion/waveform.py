@@ -121,8 +121,7 @@ class Waveform:
 
     def peak_acceleration(self) -> Array:
         """Largest |acceleration|."""
-        peak: Array = np.abs(self.rows).max(axis=1)
-        return peak
+        return np.asarray(np.abs(self.rows).max(axis=1))
 
     def peak_velocity(self) -> Array:
         """Largest |velocity|, between the samples as well."""
@@ -146,8 +145,7 @@ class Waveform:
 
     def arias(self, g: float) -> Array:
         """Arias intensity, pi/(2 g) times the integral of the squared acceleration."""
-        total: Array = math.pi / (2 * g) * self._squares().sum(axis=1)
-        return total
+        return np.asarray(math.pi / (2 * g) * self._squares().sum(axis=1))
 
     def _squares(self) -> Array:
         """Integrals of the squared acceleration over each step [m2/s3]."""
@@ -160,15 +158,14 @@ class Waveform:
         total = done[:, -1:]
         return done / np.where(total > 0, total, 1.0)
 
-    def cumulative_absolute_velocity(self) -> Array:
+    def cav(self) -> Array:
         """Integral of |acceleration|; a step with a change of sign has two triangles."""
         a, b = self.rows[:, :-1], self.rows[:, 1:]
         ends = np.abs(a) + np.abs(b)
         crossed = np.where(ends > 0, (a * a + b * b) / np.where(ends > 0, ends, 1.0), 0.0)
-        total: Array = (self.h * np.where(a * b < 0, crossed, ends)).sum(axis=1) / 2
-        return total
+        return np.asarray((self.h * np.where(a * b < 0, crossed, ends)).sum(axis=1) / 2)
 
-    def significant_duration(self) -> Array:
+    def duration_5_95(self) -> Array:
         """Time between 5 % and 95 % of the Arias intensity."""
         done = _accumulated(self._squares())
         first, last = (self._reached(done, share * done[:, -1]) for share in _SIGNIFICANT)
@@ -185,8 +182,7 @@ class Waveform:
             part = tau * (a * a + tau * slope * (a + tau * slope / 3))
             is_below = done[rows, i] + part < wanted
             low, high = np.where(is_below, tau, low), np.where(is_below, high, tau)
-        reached: Array = self.t[i] + high
-        return reached
+        return np.asarray(self.t[i] + high)
 
 
 def waveform_of(motion: Motion, g: float, scale: float = 1.0) -> Waveform:
@@ -370,8 +366,7 @@ class _Steps:
             angle = omega_d[row, 0] * tau
             free = c[row, step] * np.cos(angle) + d[row, step] * np.sin(angle)
             steady = alpha[row, step] + beta[row, step] * tau
-            inside: Array = steady + free * np.exp(-xi * w[row, 0] * tau)
-            return inside
+            return np.asarray(steady + free * np.exp(-xi * w[row, 0] * tau))
 
         return largest(self.u, self.end, self.h, w**2 * np.hypot(c, d), value)
 
@@ -395,8 +390,7 @@ def rotated_pseudo_accelerations(
     omega = np.full((angles.size, 1), x.omega[0])
 
     def turn(first: Array, second: Array) -> Array:
-        both: Array = np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second)
-        return both
+        return np.asarray(np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second))
 
     # the largest value at any angle is at least that at the samples; no other step matters
     coarse = np.abs(turn(x.u[0], y.u[0])[:: max(1, angles.size // _COARSE)])
@@ -429,5 +423,4 @@ def _curvature(wave: Waveform, history: History) -> Array:
     alpha, beta = _steady(w, xi, wave.rows[0][:-1], wave.slope[0])
     c = history.u[0][:-1] - alpha
     d = (history.v[0][:-1] - beta + xi * w * c) / (w * math.sqrt(1 - xi * xi))
-    bound: Array = w**2 * np.hypot(c, d)
-    return bound
+    return np.asarray(w**2 * np.hypot(c, d))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import accumulate, groupby
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -17,7 +15,7 @@ import xarray as xr
 
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of
-from rwmf.case.elements import heights_of_storeys
+from rwmf.case.elements import heights_of_floors
 from rwmf.errors import InputError
 from rwmf.kernel import files
 from rwmf.kernel.numbers import Array, Truths, show
@@ -294,7 +292,7 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
     if not any(limit.key in scalars for limit in limits):
         raise InputError(f"result: has none of the demands: {', '.join(x.key for x in limits)}")
     has_ended = ending_of(scalars) != "ok"
-    heights = _heights(case, limits)
+    heights = heights_of_floors(case)
     rows = [
         _check(limit, heights, np.array([float(scalars.get(limit.key, math.nan))]))
         for limit in limits
@@ -312,11 +310,6 @@ def limits_of(case: Case) -> list[Limit]:
             value = value[number - 1] if len(value) > 1 else value[0]
         found.append(Limit(key, quantity, number, float(value)))
     return found
-
-
-def _heights(case: Case, limits: list[Limit]) -> list[float]:
-    """Return the heights of the floors above the base [m]."""
-    return list(accumulate(heights_of_storeys(case, max(limit.number for limit in limits))))
 
 
 def _check(
@@ -358,7 +351,7 @@ def _check(
 def _checks_of_curve(case: Case, limits: list[Limit], curve: xr.Dataset) -> Checks:
     """Check the largest demands of a static curve."""
     columns = columns_by_key(dataset_of(curve, "rwmf.pushover", "roof_drift"))
-    heights = _heights(case, limits)
+    heights = heights_of_floors(case)
     rows, absent = [], []
     for limit in limits:
         demand = demand_along(case, columns, limit.key)
@@ -388,7 +381,7 @@ def _checks_of_grid(case: Case, limits: list[Limit], dataset: xr.Dataset) -> Che
     is_fallen = status.copy(data=fallen(dataset))
     is_failed = ~is_fallen & ~status.isin([words.index("ok") if "ok" in words else "ok"])
     suite = next((dim for dim in _SUITES if dim in status.dims), None)
-    heights = _heights(case, limits)
+    heights = heights_of_floors(case)
     rows = []
     for at, where in _points(dataset, [dim for dim in status.dims if dim != suite]):
         down = np.atleast_1d(is_fallen.isel(where).values)
@@ -450,8 +443,9 @@ def _title_row(found: Checks) -> list[str]:
 def _shown(rows: Iterable[LimitCheck], *, is_all: bool) -> list[tuple[LimitCheck, str]]:
     """Choose the rows of a table, each with a note on its floor or storey."""
     shown = []
-    for (key, level), part in groupby(rows, key=lambda row: _pattern(row.key)):
+    for quantity, part in groupby(rows, key=lambda row: find_numbered(row.key)[0]):
         members = list(part)
+        key, level = quantity.limit_key, quantity.level
         if is_all or not level:
             shown += [(row, "") for row in members]
             continue
@@ -459,11 +453,6 @@ def _shown(rows: Iterable[LimitCheck], *, is_all: bool) -> list[tuple[LimitCheck
         note = f" ({level} {worst.number})" if len(members) > 1 else ""
         shown.append((worst, f"{key}{note}"))
     return shown
-
-
-def _pattern(key: str) -> tuple[str, str]:
-    quantity, _ = find_numbered(key)
-    return quantity.limit_key, quantity.level
 
 
 def _cells(row: LimitCheck, label: str) -> list[str]:
@@ -510,11 +499,6 @@ def _show(value: Any) -> str:  # noqa: ANN401 (a number or a text)
 def write_csv(found: Checks, path: str | os.PathLike[str]) -> None:
     """Write checks as CSV, one row for each limit, floor, storey and point of a grid."""
     rows = [row.to_dict() for row in found.rows]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(dict.fromkeys(key for row in rows for key in row)))
-    writer.writeheader()
-    writer.writerows(
-        {key: repr(value) if isinstance(value, float) else value for key, value in row.items()}
-        for row in rows
-    )
-    files.write_bytes(path, text.getvalue().encode())
+    names = list(dict.fromkeys(key for row in rows for key in row))
+    cells = ([row.get(name, "") for name in names] for row in rows)
+    files.write_bytes(path, files.csv_text([names, *cells], "\r\n").encode())

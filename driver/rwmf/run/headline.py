@@ -159,11 +159,13 @@ def grouped(
     """List the scalars of a run by the group that they belong to."""
     rows: dict[str, dict[str, list[str]]] = {}
     held = digits or {}
-    numbers = _numbers(summary)
     for title, found in rows_by_title(summary).items():
         for item, keys, times in found:
             is_numbered = "{i}" in item.key
-            label = item.key.replace("{i}", numbers.get(item.key, ""))
+            # the first and the last number, as 1..6
+            numbers = sorted(number for key in keys if (number := find_numbered(key)[1]))
+            ends = "..".join(map(str, dict.fromkeys([*numbers[:1], *numbers[-1:]])))
+            label = item.key.replace("{i}", ends)
             if has_names and item.name:
                 shown = item.over_levels if is_numbered else item
                 label = f"{shown.names('run')[0]} [{item.unit}]"
@@ -217,19 +219,6 @@ def rows_by_title(summary: Mapping[str, Any]) -> dict[str, list[Row]]:
         peaks = [name for name in times if not number and item.name.startswith(name)]
         row.times.extend(times.pop(peak) for peak in peaks)
     return {title: list(found.values()) for title, found in rows.items()}
-
-
-def _numbers(summary: Mapping[str, Any]) -> dict[str, str]:
-    """Return the first and the last number of each quantity of storeys or floors, as ``1..6``."""
-    found: dict[str, list[int]] = {}
-    keys = (key for key in summary if not key.startswith(SENSITIVITY))
-    for item, number in map(find_numbered, keys):
-        if number:
-            found.setdefault(item.key, []).append(number)
-    return {
-        key: "..".join(map(str, sorted({min(numbers), max(numbers)})))
-        for key, numbers in found.items()
-    }
 
 
 def _title(item: Quantity) -> str:

@@ -16,7 +16,7 @@ from rwmf.kernel import results, tables
 from rwmf.kernel.numbers import Array, show, to_array, to_whole
 from rwmf.run.checks import crossings_of
 from rwmf.run.quantities import INSTANT, QUANTITIES, find_numbered
-from rwmf.run.response import OWN, Labelled, Response, dataset
+from rwmf.run.response import OWN, Labelled, Response, dataset, marks_of
 from rwmf.run.simulation import by_quantity, label, level_coordinates, sizes_of
 
 PATTERNS = ("first_mode", "floors", "roof")
@@ -96,14 +96,11 @@ def pushover(
 
 def _with_marks(curve: _Curve, more: Iterable[tuple[str, int, float]]) -> _Curve:
     """Add marks by name, step and drift, in the order of the steps."""
-    present = (curve[name].values for name in ("mark", "mark_step", "mark_roof_drift"))
-    rows = [*zip(*present, strict=True), *more]
-    names = [str(row[0]) for row in rows]
-    places = np.array([row[1] for row in rows], dtype=np.int64)
-    drifts = np.array([row[2] for row in rows], dtype=np.float64)
-    order = np.argsort(places, kind="stable")
+    rows = sorted([*marks_of(curve), *more], key=lambda row: row[1])
+    steps = np.array([step for _, step, _ in rows], dtype=np.int64)
+    drifts = np.array([drift for *_, drift in rows], dtype=np.float64)
     plain = curve.drop_dims("mark")
-    marks = _marks([names[i] for i in order], places[order], drifts[order])
+    marks = _marks([name for name, *_ in rows], steps, drifts)
     return plain.assign_coords({key: xr.Variable(*item) for key, item in marks.items()})
 
 

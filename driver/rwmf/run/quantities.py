@@ -242,16 +242,14 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, Quantity]:
     if not names:
         raise InputError(f"quantities: none is given; {_LIST}")
     if unknown:
-        hints = [f"{shorten(word)}: is unknown{_hint(word)}" for word in unknown]
+        meant = [tables.meant_quantity(word) for word in unknown]
+        hints = [
+            f"{shorten(word)}: is unknown"
+            + (f", did you mean {QUANTITIES[key].names('ordinate')[0]}?" if key else ".")
+            for word, key in zip(unknown, meant, strict=True)
+        ]
         raise InputError(f"quantities: {' '.join(hints)} {_LIST.capitalize()}")
     return requested
-
-
-def _hint(word: str) -> str:
-    meant = tables.meant_quantity(word)
-    if not meant:
-        return "."
-    return f", did you mean {QUANTITIES[meant].names('ordinate')[0]}?"
 
 
 def find_quantity(case: Case, names: Sequence[str] | None, study: str) -> str:

@@ -297,6 +297,12 @@ def columns_by_key(curve: xr.Dataset) -> dict[str, Array]:
     return found
 
 
+def marks_of(curve: xr.Dataset) -> list[tuple[str, int, float]]:
+    """List the marks of a curve: name, step and drift of the roof."""
+    columns = (curve[name].values.tolist() for name in ("mark", "mark_step", "mark_roof_drift"))
+    return list(zip(*columns, strict=True))
+
+
 _Made = TypeVar("_Made", bound=xr.Dataset)
 # dimensions, values and attributes of a variable, as xarray takes them
 Labelled = tuple[tuple[str, ...], Any, Mapping[str, Any]]
@@ -309,7 +315,8 @@ def dataset(
     kind: type[_Made] = xr.Dataset,  # type: ignore[assignment]
 ) -> _Made:
     """Assemble arrays of matching dimensions into a dataset."""
-    make = _quick_way(kind)
+    # xarray's constructor from known parts, which some versions lack
+    make: Callable[..., _Made] | None = getattr(kind, "_construct_direct", None)
     if make is None:
         return kind(dict(variables), dict(coordinates), dict(attributes))
     sizes: dict[str, int] = {}
@@ -326,8 +333,3 @@ def dataset(
             variable = indexes[name].create_variables({name: variable})[name]
         made[name] = variable
     return make(made, set(coordinates), sizes, dict(attributes), indexes)
-
-
-def _quick_way(kind: type[_Made]) -> Callable[..., _Made] | None:
-    """Return xarray's constructor from known parts, or None in versions without it."""
-    return getattr(kind, "_construct_direct", None)

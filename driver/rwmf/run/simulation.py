@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rwmf.case import Case, CaseLike
 from rwmf.case.arguments import case_of, checked
-from rwmf.case.elements import heights_of_storeys
+from rwmf.case.elements import heights_of_floors, heights_of_storeys
 from rwmf.kernel import results, tables
 from rwmf.run.headline import tendon_yield_of
 from rwmf.run.quantities import Quantity, find_numbered
@@ -146,11 +145,10 @@ def label(
 
 def level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict[str, Labelled]:
     """Return numbers and heights of the storeys and floors, from the ground up."""
-    heights = heights_of_storeys(case, sizes.get("floor", sizes.get("storey", 0)))
     found: dict[str, Labelled] = {}
     known = {
-        "storey": (heights, "height of the storey, from floor to floor"),
-        "floor": (list(accumulate(heights)), "height of the floor above the base"),
+        "storey": (heights_of_storeys(case), "height of the storey, from floor to floor"),
+        "floor": (heights_of_floors(case), "height of the floor above the base"),
     }
     for level in ("storey", "floor", "mode", "tendon", "fuse", "restraint"):
         if level in dims:

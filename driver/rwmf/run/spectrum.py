@@ -75,7 +75,9 @@ def spectrum(
     """
     case = case_of(case)
     keys = [] if quantities is None else keys_of(_without_second_names(quantities))
-    if quantities is not None and not (keys and _can_be_told_apart(keys)):
+    # words that are distinct within the length of a key
+    words = {key.lower() for key in keys if re.fullmatch(r"\w{1,52}", key, re.ASCII)}
+    if quantities is not None and not 0 < len(keys) == len(words):
         _refuse(case, keys)
     if keys:
         keys += [key for key in case.kernel.limited_demands() if key not in keys]
@@ -100,12 +102,6 @@ def _without_second_names(words: Sequence[str]) -> list[str]:
         if seen.setdefault(key, name) == name or key not in QUANTITIES:
             first.append(word)
     return first
-
-
-def _can_be_told_apart(keys: Sequence[str]) -> bool:
-    """Check that the words are distinct within the length of a key."""
-    words = [key.lower() for key in keys if re.fullmatch(r"\w{1,52}", key, re.ASCII)]
-    return len(set(words)) == len(keys)
 
 
 def _refuse(case: Case, keys: Sequence[str]) -> None:
@@ -168,15 +164,12 @@ def with_grid(
     quantities: Sequence[str] | None = None,
 ) -> Case:
     """Return the case with another grid, or other quantities, in its `&spectrum`."""
-    grid: dict[str, Array | list[str] | None] = {}
-    if T_s is not None:
-        # the list replaces the uniform grid
-        grid |= dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing"))
-        grid["T_s"] = to_array("T_s", T_s, least=1)
-    if gamma is not None:
-        grid["gamma"] = to_array("gamma", gamma, least=1)
-    if b is not None:
-        grid["b"] = to_array("b", b, least=1)
+    # a list of periods replaces the uniform grid
+    uniform = () if T_s is None else ("T_s_min", "T_s_max", "n", "spacing")
+    grid: dict[str, Array | list[str] | None] = dict.fromkeys(uniform)
+    for name, values in (("T_s", T_s), ("gamma", gamma), ("b", b)):
+        if values is not None:
+            grid[name] = to_array(name, values, least=1)
     if quantities is not None:
         grid["quantities"] = keys_of(quantities)
     return case.replace(spectrum=grid) if grid else case

@@ -7,6 +7,7 @@ import functools
 import hashlib
 import itertools
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple, Self, TypeVar
@@ -70,6 +71,11 @@ class Coordinate:
     meaning: str
     column: str = ""
     power: int = 1
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of its variable."""
+        return ({"units": self.unit} if self.unit else {}) | {"long_name": self.meaning}
 
 
 @dataclass(frozen=True)
@@ -210,7 +216,7 @@ def column_coordinate(
     elif column in AXES:
         unit, meaning = AXES[column].unit, AXES[column].meaning
     else:
-        row = _table()[key_of_column(column)]
+        row = tables.rows_of_keys()[key_of_column(column)]
         unit, meaning = row.unit.replace("-", "1"), row.meaning
     if isinstance(values, np.ndarray):
         return Coordinate(name, dimension, values, unit, meaning, column)
@@ -277,7 +283,7 @@ def kind_of(name: str) -> str:
     if name == SCALE or name in PAIRS:
         return "real"
     # a value of an axis is one number for all elements of a group
-    return _table()[key_of_column(name)].kind.removesuffix("s")
+    return tables.rows_of_keys()[key_of_column(name)].kind.removesuffix("s")
 
 
 def is_number(name: str) -> bool:
@@ -306,8 +312,8 @@ def take_numbers(
         array = array.astype(object)
     if array.dtype.kind not in ("iufb" if kind == "logical" else "iuf"):
         # NumPy converts a list with one text to an array of texts
-        items = values if isinstance(values, list) else array.tolist()
-        array = np.array([_number(value, kind) for value in items])
+        texts = values if isinstance(values, list) else array.tolist()
+        array = np.array([_number(value, kind) for value in texts])
     numbers = np.ascontiguousarray(array, dtype=np.float64)
     is_good = np.isfinite(numbers)
     wanted = "a finite number"
@@ -319,14 +325,9 @@ def take_numbers(
         wanted = "true or false"
     if not is_good.all():
         i = int(np.argmin(is_good))
-        wrong = show(_item(values, i))
-        raise InputError(f"{where(i)}: {shown or name} = {wrong}: must be {wanted}")
+        items = values if isinstance(values, list) else np.asarray(values, dtype=object).tolist()
+        raise InputError(f"{where(i)}: {shown or name} = {show(items[i])}: must be {wanted}")
     return numbers
-
-
-def _item(values: object, i: int) -> object:
-    item = np.asarray(values, dtype=object)[i] if not isinstance(values, list) else values[i]
-    return item.item() if isinstance(item, np.generic) else item
 
 
 def _number(value: object, kind: str) -> float:
@@ -377,18 +378,13 @@ SETTINGS = {
 _NEEDS_GROUP = ("base", "base_section", "bending")
 
 
-@functools.cache
-def _table() -> dict[Key, tables.KeyRow]:
-    """Return the rows of the kernel's table of keys."""
-    return {(row.group, row.key): row for row in tables.schema()}
-
-
 def _find_key(name: str, label: str) -> Key:
     """Return group and key of a name, in canonical form."""
     group, _, key = name.rpartition(".")
+    rows = tables.rows_of_keys()
     matches = [
         known
-        for known in _table()
+        for known in rows
         if known[1].lower() == key.lower()
         and (known[0] == group.lower() if group else known[0] != "spectrum")
     ]
@@ -399,9 +395,8 @@ def _find_key(name: str, label: str) -> Key:
     if matches:
         names = ", ".join(".".join(found) for found in matches)
         raise InputError(f"{label}: {name}: in several groups; write one of {names}")
-    known = _table()
-    keys = (key for _, key in known)
-    hint = did_you_mean(name, ["scale", *PAIRS, *keys, *map(".".join, known)])
+    keys = (key for _, key in rows)
+    hint = did_you_mean(name, ["scale", *PAIRS, *keys, *map(".".join, rows)])
     hint = f"{hint} Allowed" if hint else "; allowed"
     raise InputError(
         f"{label}: {name}: no key of a case{hint} are {', '.join(('scale', *PAIRS))} and the keys "
@@ -529,9 +524,7 @@ class Layout:
             group, scene = divmod(group, len(begins) - 1)
             members.insert(0, order[begins[scene] : begins[scene + 1]])
         # all chunks of a group have equal length
-        size = 1
-        for member in members:
-            size *= len(member)
+        size = math.prod(map(len, members))
         n = following - first
         start, stop = (size * i // n for i in (number - first, number - first + 1))
         return members, start, stop

@@ -7,7 +7,6 @@ identifies an entry that a killed process left incomplete; it is removed.
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import json
 import os
@@ -17,9 +16,10 @@ import struct
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Self, TypedDict
+from typing import Any, BinaryIO, TypedDict
 
 import numpy as np
 import xarray as xr
@@ -30,6 +30,8 @@ from rwmf.case.namelist import read_text
 from rwmf.errors import InputError, Interrupted, OutputError
 from rwmf.kernel import files
 from rwmf.kernel.files import path_of
+from rwmf.kernel.marshalling import Closing
+from rwmf.kernel.numbers import grouped
 from rwmf.kernel.progress import Progress, Reports, reporting
 from rwmf.motion.record_sets import RecordFile
 from rwmf.run.quantities import ORDINATES
@@ -45,7 +47,7 @@ _HEAD = struct.Struct("<QQI")
 _LAYOUT = 2**64 - 1
 
 
-class ChunkStore:
+class ChunkStore(Closing):
     """Finished chunks of a sweep."""
 
     def __init__(self, path: Path, layout: Layout, *, restart: bool = False) -> None:
@@ -124,14 +126,6 @@ class ChunkStore:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
-
-    def __enter__(self) -> Self:
-        """Return the store itself."""
-        return self
-
-    def __exit__(self, *unused: object) -> None:
-        """Close the file."""
-        self.close()
 
 
 def read_layout(path: Path) -> Layout:
@@ -277,10 +271,7 @@ def _curves(part: _Part) -> list[list[str]]:
     """Return the rows grouped by width and mass ratio, the columns before the period."""
     names = part.head[-1].rstrip("\n").split(",")
     n = names.index("T_s_s") if "T_s_s" in names else 0
-    curves: dict[tuple[str, ...], list[str]] = {}
-    for row in part.rows:
-        curves.setdefault(tuple(row.split(",")[:n]), []).append(row)
-    return list(curves.values())
+    return list(grouped(part.rows, lambda row: tuple(row.split(",")[:n])).values())
 
 
 class SweepOptions(TypedDict, total=False):
@@ -465,8 +456,10 @@ def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
     if path.exists():
         if not restart:
             _check_same(path, layout)
-            if work.part[1] == 1:
-                _drop_store(store_path, layout)
+            if work.part[1] == 1 and store_path.exists():
+                # of a run that was killed behind its file; not that of another or running sweep
+                with suppress(InputError, OutputError), ChunkStore(store_path, layout):
+                    files.remove(store_path)
             return open_result(path)
         # discard nothing but a sweep
         netcdf.read_identity(path)
@@ -488,14 +481,6 @@ def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
         # rename while locked, so that another process finds the complete file
         files.remove(store_path)
     return open_result(path)
-
-
-def _drop_store(path: Path, layout: Layout) -> None:
-    """Remove the store of a run that was killed after completing its file."""
-    if path.exists():
-        # keep the store of another sweep or of a running one
-        with contextlib.suppress(InputError, OutputError), ChunkStore(path, layout):
-            files.remove(path)
 
 
 def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
@@ -533,12 +518,12 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
     if not parts:
         raise InputError("parts: the list is empty")
     layout = read_layout(Path(parts[0]))
-    stores: list[ChunkStore] = []
-    try:
+    with ExitStack() as stack:
+        stores = []
         for name in parts:
             if not Path(name).is_file():
                 raise InputError(f"{name}: the file does not exist")
-            stores.append(ChunkStore(Path(name), layout))
+            stores.append(stack.enter_context(ChunkStore(Path(name), layout)))
         owner = {n: item for item in stores for n in range(layout.n_chunks) if n in item}
         if len(owner) < layout.n_chunks:
             missing = layout.n_chunks - len(owner)
@@ -547,9 +532,6 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
                 "missing or has not finished"
             )
         netcdf.write(layout, lambda number: owner[number].get(number), Path(file))
-    finally:
-        for item in stores:
-            item.close()
     return open_result(Path(file))
 
 
@@ -579,11 +561,10 @@ def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
     """Label a sweep in memory as if xarray had read it from a file."""
     names = netcdf.status_names(layout, source)
     arrays = netcdf.assemble(layout, source, names)
-    axes = {}
-    for item in layout.coordinates:
-        labels = {"units": item.unit} if item.unit else {}
-        labels["long_name"] = item.meaning
-        axes[item.name] = (item.dimension, layout.labels(item), labels)
+    axes = {
+        item.name: (item.dimension, layout.labels(item), item.attributes)
+        for item in layout.coordinates
+    }
     found: dict[str, Any] = {
         name: (layout.dims, arrays[name], ORDINATES[name].attributes) for name in layout.quantities
     }

@@ -48,8 +48,8 @@ def count_threads(threads: int) -> int:
 def run_in_threads(
     make: Callable[[int, int], Task],
     numbers: list[int],
-    threads: int = 0,
-    report: Report | None = None,
+    threads: int,
+    report: Report,
 ) -> Iterator[Chunk]:
     """Compute chunks with threads of this process."""
     n = count_threads(threads)
@@ -70,9 +70,8 @@ def run_in_threads(
             done.pop(task.number, None)
 
     def report_count() -> None:
-        if report is not None:
-            # copy, because other threads modify it
-            report(sum(list(done.values())))
+        # a copy, because other threads modify the counts
+        report(sum(list(done.values())))
 
     tasks = (make(number, n if alone else 1) for number in numbers)
     with ThreadPoolExecutor(1 if alone else n, thread_name_prefix="rwmf-sweep") as executor:

@@ -119,13 +119,11 @@ def write(layout: Layout, source: Source, path: Path) -> None:
 def _fill(file: File, layout: Layout, source: Source, check: Callable[[], None]) -> None:
     names = status_names(layout, source)
     file.dimensions = dict(zip(layout.dims, layout.shape, strict=True))
-    for key, value in attributes(layout).items():
-        file.attrs[key] = readable(value)
+    file.attrs.update({key: readable(value) for key, value in attributes(layout).items()})
     _write_coordinates(file, layout)
     variables = {name: _new_variable(file, layout, name) for name in layout.quantities}
     variables["status"] = status = _new_variable(file, layout, "status")
-    for key, value in status_attributes(names).items():
-        status.attrs[key] = value
+    status.attrs.update(status_attributes(names))
     for part in _parts(layout):
         for name, values in assemble(layout, source, names, part).items():
             variables[name][... if part is None else part] = values
@@ -160,9 +158,7 @@ def _write_coordinates(file: File, layout: Layout) -> None:
             variable = _write_letters(file, item.name, texts, layout.scene_of[POINT])
         else:
             variable = _write_labels(file, item, layout.labels(item))
-        if item.unit:
-            variable.attrs["units"] = item.unit
-        variable.attrs["long_name"] = item.meaning
+        variable.attrs.update(item.attributes)
 
 
 def _write_labels(file: File, item: Coordinate, labels: npt.NDArray[Any]) -> Variable:

@@ -92,12 +92,10 @@ def _read_rows(
     while block := list(islice(lines, _ROWS)):
         for number, cells in block:
             if len(cells) != len(names):
-                lacks = len(cells) < len(names)
-                fault = (
-                    f"{names[len(cells)]}: no value"
-                    if lacks
-                    else f"{shorten(cells[len(names)])!r}: a value without a column"
-                )
+                if len(cells) < len(names):
+                    fault = f"{names[len(cells)]}: no value"
+                else:
+                    fault = f"{shorten(cells[len(names)])!r}: a value without a column"
                 raise InputError(
                     f"{path}, line {number}: {fault}: {len(cells)} values for {len(names)} columns"
                 )

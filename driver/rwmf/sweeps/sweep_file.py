@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from rwmf.case.namelist import read_text
 from rwmf.errors import InputError
@@ -126,35 +126,33 @@ def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
     group: dict[str, list[Item]] | None = None
     items: list[Item] | None = None
     position, text = 0, text.rstrip()
+
+    def refuse(problem: str, start: int) -> NoReturn:
+        line = text.count("\n", 0, start) + 1
+        raise InputError(f"{path}, line {line}: {problem}")
+
     while position < len(text):
         match = _TOKEN.match(text, position)
-        kind = "" if match is None else match.lastgroup or ""
-        word = "" if match is None else match[kind]
-        problem = ""
         if match is None:
-            problem = f"cannot be read: {text[position:].lstrip().splitlines()[0].strip()}"
-        elif kind == "group":
+            rest = text[position:].lstrip().splitlines()[0].strip()
+            refuse(f"cannot be read: {rest}", position)
+        kind = str(match.lastgroup)
+        word, start = match[kind], match.start(kind)
+        if kind == "group":
             if group is not None or word.lower() in groups:
-                problem = f"&{word}: the group before has no end, or it appears twice"
-            else:
-                group, items = groups.setdefault(word.lower(), {}), None
+                refuse(f"&{word}: the group before has no end, or it appears twice", start)
+            group, items = groups.setdefault(word.lower(), {}), None
         elif kind == "end":
             group, items = None, None
         elif kind == "key":
             # keys match in upper and lower case
             if group is None or word.lower() in map(str.lower, group):
-                problem = f"{word}: outside of a group, or it appears twice"
-            else:
-                items = group.setdefault(word, [])
+                refuse(f"{word}: outside of a group, or it appears twice", start)
+            items = group.setdefault(word, [])
         elif kind not in ("comment", "comma"):
             if items is None:
-                problem = f"{word}: a value without a key"
-            else:
-                items.append(_value(kind, word))
-        if problem or match is None:
-            start = position if match is None else match.start(kind)
-            line = text.count("\n", 0, start) + 1
-            raise InputError(f"{path}, line {line}: {problem}")
+                refuse(f"{word}: a value without a key", start)
+            items.append(_value(kind, word))
         position = match.end()
     if group is not None:
         raise InputError(f"{path}: the last group has no end: a line with /")

@@ -11,13 +11,12 @@ export class Refused extends Error {
 }
 
 async function send(path, body, signal) {
-  let response;
-  try {
-    response = await fetch(path, { method: "POST", body, signal, headers: { "X-Token": token() } });
-  } catch (error) {
+  const headers = { "X-Token": token() };
+  const response = await fetch(path, { method: "POST", body, signal, headers }).catch((error) => {
     if (error.name === "AbortError") throw error;
     throw new Refused(0, "The server does not answer: it has ended. Start rwmf explore again.");
-  }
+  });
+  if (!response.ok) throw await failure(response);
   return response;
 }
 
@@ -34,15 +33,12 @@ async function failure(response) {
 export async function ask(path, question, signal) {
   const body = typeof question === "object" && !(question instanceof Blob)
     ? JSON.stringify(question) : question;
-  const response = await send(path, body, signal);
-  if (!response.ok) throw await failure(response);
-  return response.json();
+  return (await send(path, body, signal)).json();
 }
 
 // Answer that comes line by line: `report` gets all but the last.
 export async function follow(path, question, signal, report) {
   const response = await send(path, JSON.stringify(question), signal);
-  if (!response.ok) throw await failure(response);
   const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
   let text = "";
   for (;;) {

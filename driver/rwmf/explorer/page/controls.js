@@ -56,8 +56,7 @@ export class Controls {
     const given = group.keys.filter((key) => scene.get(`${group.name}.${key.key}`) !== undefined);
     const others = group.keys.filter((key) => !given.includes(key)
       && scene.possible(`${group.name}.${key.key}`));
-    const box = element("details",
-      { class: "group", id: `group-${group.name}`, open: this.open.has(group.name) },
+    return this.folding(group.name, { class: "group", id: `group-${group.name}` },
       element("summary", {}, group.title, element("span", { class: "brief" }, `&${group.name}`)),
       ...(group.name === "motion" && scene.get("motion.kind") === "record"
         ? [element("p", { class: "hint" },
@@ -65,15 +64,18 @@ export class Controls {
             : []),
       ...given.map((key) => this.key(group.name, key)),
       this.others(group, others));
-    box.addEventListener("toggle",
-      () => (box.open ? this.open.add(group.name) : this.open.delete(group.name)));
+  }
+
+  // A part that opens and closes, as before in a new panel.
+  folding(name, attributes, ...children) {
+    const box = element("details", { ...attributes, open: this.open.has(name) }, ...children);
+    box.addEventListener("toggle", () => (box.open ? this.open.add(name) : this.open.delete(name)));
     return box;
   }
 
   others(group, keys) {
     const { scene } = this;
-    const name = `${group.name}?`;
-    const box = element("details", { class: "more", open: this.open.has(name) },
+    return this.folding(`${group.name}?`, { class: "more" },
       element("summary", {}, keys.length
         ? `${keys.length} more ${keys.length > 1 ? "keys" : "key"}` : "More"),
       ...keys.map((key) => element("div", { class: "absent-key", title: key.allowed },
@@ -89,8 +91,6 @@ export class Controls {
       element("button", { type: "button", class: "take-out",
         onclick: () => { scene.remove(group.name); byId(`add-${group.name}`).focus(); } },
         `Take the whole group &${group.name} out`));
-    box.addEventListener("toggle", () => (box.open ? this.open.add(name) : this.open.delete(name)));
-    return box;
   }
 
   key(group, key) {
@@ -142,14 +142,18 @@ export class Controls {
     return slider;
   }
 
+  // A field for text, with a place for a message below.
+  field(name, value, more = {}) {
+    return element("input", { type: "text", class: "field", id: name, value, autocomplete: "off",
+      "aria-describedby": `${name}:wrong`, ...more });
+  }
+
   number(name, key) {
     const value = this.scene.get(name);
     const range = this.range(name, key, value);
     const text = (x) => shown(fromSi(x, key.unit));
     const digits = (x) => String(fromSi(x, key.unit));
-    const field = element("input",
-      { type: "text", class: "field", id: name, inputmode: "decimal", value: text(value),
-        "aria-describedby": `${name}:wrong`, autocomplete: "off", title: digits(value) });
+    const field = this.field(name, text(value), { inputmode: "decimal", title: digits(value) });
     const slider = this.slider(`${name}:slider`, `${key.key}: ${key.help}`, key, range, value,
       (found) => {
         field.value = text(found);
@@ -210,8 +214,7 @@ export class Controls {
 
   word(name) {
     this.views.set(name, (x) => { byId(name).value = x; });
-    const field = element("input", { type: "text", class: "field", id: name, autocomplete: "off",
-      value: this.scene.get(name), "aria-describedby": `${name}:wrong` });
+    const field = this.field(name, this.scene.get(name));
     field.addEventListener("change", () => {
       const found = field.value.trim();
       const wrong = !/^\w{1,60}$/.test(found);
@@ -225,8 +228,7 @@ export class Controls {
     const text = (items) => items.map((x) => (key.kind === "real list" ? fromSi(x, key.unit) : x))
       .join(", ");
     const items = this.scene.get(name);
-    const field = element("input", { type: "text", class: "field", id: name, autocomplete: "off",
-      value: text(items), "aria-describedby": `${name}:wrong`, title: text(items) });
+    const field = this.field(name, text(items), { title: text(items) });
     field.addEventListener("change", () => {
       field.title = field.value;
       const words = field.value.split(/[\s,;]+/).filter(Boolean);
@@ -269,13 +271,10 @@ export class Controls {
     const parts = [element("div", { class: "storey" }, label(items.length > 1 ? "all" : ""),
       common)];
     if (items.length > 1) {
-      const box = element("details", { class: "more", open: this.open.has(`${name}?`) },
+      parts.push(this.folding(`${name}?`, { class: "more" },
         element("summary", {}, "Each storey"),
         ...sliders.map((slider, i) => element("div", { class: "storey" }, label(String(i + 1)),
-          slider, values[i])).reverse());
-      box.addEventListener("toggle", () => (box.open ? this.open.add(`${name}?`)
-        : this.open.delete(`${name}?`)));
-      parts.push(box);
+          slider, values[i])).reverse()));
     }
     return { parts, show: (now) => {
       if (document.activeElement !== common) {

@@ -48,6 +48,15 @@ export const colour = (name) => getComputedStyle(document.documentElement)
 export const textSize = () =>
   0.75 * parseFloat(getComputedStyle(document.documentElement).fontSize);
 
+export const copy = (value) => JSON.parse(JSON.stringify(value));
+
+// A filled dot on a canvas.
+export function dot(ctx, x, y, radius) {
+  ctx.beginPath();
+  ctx.arc(x, y, radius, 0, 2 * Math.PI);
+  ctx.fill();
+}
+
 // A text as a file.
 export function save(name, kind, text) {
   const url = URL.createObjectURL(new Blob([text], { type: kind }));

@@ -1,7 +1,7 @@
 // Spectrum and histories, drawn by uPlot; one clock, shown as a line in all of them.
 
 import { unpack } from "./bridge.js";
-import { byId, colour, element, fromSi, short, textSize, unit } from "./format.js";
+import { byId, colour, dot, element, fromSi, short, textSize, unit } from "./format.js";
 
 const line = (label, name, more = {}) =>
   ({ label, tone: name, stroke: () => colour(name), width: 1.6, points: { show: false },
@@ -243,9 +243,7 @@ export class Pictures {
       ctx.lineTo(x, u.bbox.top + u.bbox.height);
       ctx.stroke();
       if (Number.isFinite(this.marker.value)) {
-        ctx.beginPath();
-        ctx.arc(x, u.valToPos(this.marker.value, "y", true), 5 * ratio, 0, 2 * Math.PI);
-        ctx.fill();
+        dot(ctx, x, u.valToPos(this.marker.value, "y", true), 5 * ratio);
       }
     }
     ctx.restore();

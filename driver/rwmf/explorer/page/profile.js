@@ -1,7 +1,7 @@
 // Interstorey drift (IDR) and peak floor acceleration (PFA) over the height, beside the moving
 // picture and at its scale: peaks as outlines, the present values filled.
 
-import { colour, short, textSize } from "./format.js";
+import { colour, dot, short, textSize } from "./format.js";
 
 const GAP = 12; // between the two panels [px]
 
@@ -65,9 +65,7 @@ function dots(ctx, motion, t, levels, panel, Y) {
   motion.profile.acceleration.forEach((most, i) => {
     const column = motion.floors[i];
     for (const [x, size] of [[most, 3], ...(column ? [[Math.abs(motion.at(column, t)), 2]] : [])]) {
-      ctx.beginPath();
-      ctx.arc(panel.X(Math.min(x, panel.most)), Y(levels[i + 1]), size, 0, 2 * Math.PI);
-      ctx.fill();
+      dot(ctx, panel.X(Math.min(x, panel.most)), Y(levels[i + 1]), size);
     }
   });
 }

@@ -1,8 +1,8 @@
 // The second curve: a pinned state, or the other formulation of the equations.
 
-import { byId } from "./format.js";
+import { byId, copy } from "./format.js";
 
-const copy = (value) => JSON.parse(JSON.stringify(value));
+
 
 export class Rival {
   constructor(scene, changed) {

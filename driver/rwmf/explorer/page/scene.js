@@ -1,7 +1,7 @@
 // The case of the sliders: groups with the given keys. Every change goes through here and applies
 // the server's tables of exclusions and requirements.
 
-const copy = (value) => JSON.parse(JSON.stringify(value));
+import { copy } from "./format.js";
 
 export class Scene {
   constructor(description, changed) {

@@ -2,7 +2,7 @@
 // height. Rotations and the deflection of a wall that bends are magnified, by the factors of
 // `rwmf animate`. A pinned state is a ghost at the same factors. A hand can hold the wall.
 
-import { byId, colour, textSize } from "./format.js";
+import { byId, colour, dot, textSize } from "./format.js";
 import { magnification, peak } from "./motion.js";
 import { drawProfile } from "./profile.js";
 
@@ -266,9 +266,7 @@ export class Stage {
     const { ctx, pixel } = this;
     ctx.fillStyle = ctx.strokeStyle = colour("c1");
     ctx.lineWidth = 2 * pixel;
-    ctx.beginPath();
-    ctx.arc(x, y, 7 * pixel, 0, 2 * Math.PI);
-    ctx.fill();
+    dot(ctx, x, y, 7 * pixel);
     ctx.globalAlpha = 1 - share;
     ctx.beginPath();
     ctx.arc(x, y, (7 + 18 * share) * pixel, 0, 2 * Math.PI);
@@ -284,10 +282,8 @@ export class Stage {
     yieldTimes.forEach((since, i) => {
       if (t < since) return;
       for (const foot of feet) for (const k of [HINGE, 1 - HINGE]) {
-        ctx.beginPath();
-        ctx.arc(foot + moves[i] + lean(k) * (moves[i + 1] - moves[i]),
-          levels[i] + k * (levels[i + 1] - levels[i]), 3.5 * this.pixel, 0, 2 * Math.PI);
-        ctx.fill();
+        dot(ctx, foot + moves[i] + lean(k) * (moves[i + 1] - moves[i]),
+          levels[i] + k * (levels[i + 1] - levels[i]), 3.5 * this.pixel);
       }
     });
   }
