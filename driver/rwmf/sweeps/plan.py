@@ -252,11 +252,19 @@ class Plan:
         known = self._check_one(tuple(0 for _ in self.axes), "")
         keys = keys_of(self.layout.quantities)
         warnings = known.warnings(keys)
+        applicable = {*known.applicable()}
         for i, axis in enumerate(self.axes):
             for position in _telling_positions(axis):
                 at = tuple(position if i == j else 0 for j in range(len(self.axes)))
                 known = self._check_one(at, axis.where(position), known)
                 warnings += known.warnings(keys)
+                applicable.update(known.applicable())
+        warnings += [
+            f"quantities: {name} applies to no scene of the sweep and is NaN; "
+            "reference/outputs.md lists the requirements"
+            for name, key in zip(self.layout.quantities, keys, strict=True)
+            if key.removeprefix(SENSITIVITY) not in applicable
+        ]
         return replace(self, layout=replace(self.layout, warnings="\n".join(united(warnings))))
 
     def _check_one(

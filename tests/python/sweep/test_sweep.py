@@ -95,6 +95,8 @@ def test_other_quantities(elcentro: Path) -> None:
         assert float(at["impacts"]) == float(single["impacts"])
     # there is no frame whose displacement could be reported
     assert np.isnan(found["u_s_max"]).all()
+    assert "quantities: u_s_max applies to no scene of the sweep" in found.attrs["warnings"]
+    assert "impacts" not in found.attrs["warnings"]
 
 
 def test_failures_and_overturning_carry_a_status() -> None:
